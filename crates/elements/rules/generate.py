@@ -278,6 +278,7 @@ NOTES = {
     "hexahedron-1": [
         "On a hexahedron one point sees none of the hourglass modes (u proportional to xi eta, eta zeta, zeta xi or",
         "xi eta zeta: 12 of them), which then deform without energy: use it with hourglass control.",
+        "Opposite faces must be parallel for the patch test to pass.",
     ],
     "quadrangle-1": [
         "On a quadrangle one point sees neither of the two hourglass modes (u proportional to xi eta), which then",

@@ -110,15 +110,16 @@ pub struct Side {
 /// A permutation is `None` where the format's node order is VTK's.
 #[derive(Clone, Copy, Debug)]
 pub struct Exchange {
-    /// VTK cell type number.
+    /// VTK cell type number; cubic elements use the Lagrange cells, which are told apart by their number of nodes.
     pub vtk: u8,
     /// Gmsh element type number.
     pub gmsh: u32,
     /// `ours[i] = gmsh[p[i]]`.
     pub gmsh_order: Option<&'static [u8]>,
-    /// Abaqus / CalculiX element names, without the suffixes for reduced or hybrid variants.
+    /// Abaqus / CalculiX element names with our node order, without the suffixes for reduced or hybrid variants; empty
+    /// where there is no such element or it has another order.
     pub abaqus: &'static [&'static str],
-    /// MEDIT keyword.
+    /// MEDIT keyword, where the format has the element with our node order.
     pub medit: Option<&'static str>,
 }
 
@@ -137,9 +138,10 @@ pub struct Element {
     pub shape: fn(&mut Graph, [Expr; 3]) -> Vec<Expr>,
     /// Sides of dimension one less: faces of a solid, edges of a surface element, ends of an edge (none listed).
     pub faces: &'static [Side],
-    /// Edges.
+    /// Edges; none listed for an edge itself.
     pub edges: &'static [Side],
-    /// Quadrature rules by file name; the first one is the default: the cheapest that passes the patch test.
+    /// Quadrature rules by file name; the first one is the default: the cheapest that passes the patch test on a distorted
+    /// mesh and leaves no deformation without energy. The consistent mass may need another one of the list.
     pub quadratures: &'static [&'static str],
     /// Names in mesh formats.
     pub exchange: Exchange,
@@ -163,7 +165,10 @@ impl Element {
 
     /// A rule of this element by its id (`"hexahedron-8"`) or by its number of points (`"8"`).
     pub fn rule(&self, name: &str) -> Option<&'static Rule> {
-        self.quadratures.iter().filter_map(|id| Rule::by_id(id)).find(|r| r.id == name || r.points.len().to_string() == name)
+        self.quadratures
+            .iter()
+            .filter_map(|id| Rule::by_id(id))
+            .find(|r| r.id == name || r.points.len().to_string() == name)
     }
 }
 

@@ -32,6 +32,8 @@ pub const ELEMENT: Element = Element {
         Side { element: "edge2", nodes: &[2, 6] },
         Side { element: "edge2", nodes: &[3, 7] },
     ],
+    // One point needs hourglass control: the twelve modes u ∝ ξη, ηζ, ζξ, ξηζ deform without energy. Its gradient is that
+    // of the centre, not the mean, so that it misses the patch test unless the opposite faces are parallel.
     quadratures: &["hexahedron-8", "hexahedron-1", "hexahedron-27"],
     exchange: Exchange { vtk: 12, gmsh: 5, gmsh_order: None, abaqus: &["C3D8"], medit: Some("Hexahedra") },
 };
