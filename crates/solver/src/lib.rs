@@ -1,1 +1,53 @@
-//! See the crate's description in Cargo.toml.
+//! Numerics on anything that can multiply: linear solvers, Newton, time integrators.
+//!
+//! This crate knows vectors of unknowns and products with them, and nothing of where they come from.
+//! A vector is a flat `[f64]`; a matrix is whatever implements [`LinearOperator`]; a nonlinear problem is whatever
+//! implements [`NewtonProblem`]; a system that moves is whatever implements [`SecondOrder`].
+//!
+//! | question | function | what it asks for |
+//! |---|---|---|
+//! | `A x = b`, A symmetric | [`cg()`] with a [`Preconditioner`] and a [`Projector`] | products, or stored entries |
+//! | `r(x) = 0` | [`newton()`] | [`NewtonProblem`] |
+//! | `M ü = F(t, u, u̇)` | [`step()`] with a [`Method`] and a [`State`] | [`SecondOrder`] |
+//!
+//! Everything that can go wrong with numbers (no convergence, negative curvature, a state that the system refuses, a
+//! value that is not finite) comes back as a value that says so.
+//! What panics is a caller's mistake in the length of a slice, and nothing else.
+//!
+//! Nothing here starts a thread.
+//! Sums are taken in fixed blocks (see [`vector`]), so that an implementation of [`VectorOps`] on several threads gives
+//! the same bits.
+
+pub mod block_csr;
+pub mod block_jacobi;
+pub mod cg;
+pub mod csr;
+pub mod explicit;
+pub mod failure;
+pub mod implicit;
+pub mod incomplete_cholesky;
+pub mod method;
+pub mod newton;
+pub mod operator;
+pub mod second_order;
+pub mod small_dense;
+pub mod step;
+pub mod vector;
+
+pub use block_csr::{BlockCsr, PatternError};
+pub use block_jacobi::BlockJacobi;
+pub use cg::{CgOptions, CgWorkspace, LinearReport, LinearStatus, cg};
+pub use csr::Csr;
+pub use failure::{Failure, FailureKind};
+pub use incomplete_cholesky::{IncompleteCholesky, IncompleteCholeskyError};
+pub use method::{Method, MethodError};
+pub use newton::{
+    LineSearch, NewtonIteration, NewtonOptions, NewtonOutcome, NewtonProblem, NewtonStatus, NewtonWorkspace, newton,
+};
+pub use operator::{
+    DiagonalOperator, FixedUnknowns, Identity, Jacobi, LinearOperator, NoProjection, OperatorFromFn, Preconditioner,
+    Projector,
+};
+pub use second_order::{Combination, SecondOrder};
+pub use step::{Previous, State, StepOptions, StepReport, StepStatus, StepWorkspace, WarmStart, step};
+pub use vector::{PairwiseSum, Serial, VectorOps};
