@@ -88,4 +88,32 @@ impl Mesh {
         let d = self.dimension();
         self.blocks.iter().filter(|b| b.element.dimension() == d).map(Block::len).sum()
     }
+
+    /// The nodes of one element, in VTK order.
+    pub fn nodes_of(&self, id: ElementId) -> &[u32] {
+        self.blocks[id.block as usize].nodes(id.index as usize)
+    }
+
+    /// Every element, block by block.
+    pub fn element_ids(&self) -> impl Iterator<Item = ElementId> + '_ {
+        self.blocks
+            .iter()
+            .zip(0u32..)
+            .flat_map(|(b, block)| (0..b.len() as u32).map(move |index| ElementId { block, index }))
+    }
+
+    /// Mean of an element's corners, in metres.
+    pub fn centroid(&self, id: ElementId) -> [f64; 3] {
+        let corner_count = self.blocks[id.block as usize].element.family.corner_count();
+        let corners = &self.nodes_of(id)[..corner_count];
+        std::array::from_fn(|a| corners.iter().map(|&n| self.nodes[n as usize][a]).sum::<f64>() / corner_count as f64)
+    }
+}
+
+/// The values in increasing order without repeats: the form of the lists in a [`Region`].
+pub(crate) fn sorted_set<T: Ord>(values: impl IntoIterator<Item = T>) -> Vec<T> {
+    let mut values: Vec<T> = values.into_iter().collect();
+    values.sort_unstable();
+    values.dedup();
+    values
 }
