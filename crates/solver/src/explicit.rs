@@ -23,7 +23,7 @@ impl RungeKutta {
 }
 
 /// a ← M⁻¹ F(t, u, v) on the free directions.
-pub(crate) fn acceleration(
+fn acceleration(
     system: &mut dyn SecondOrder,
     t: f64,
     u: &[f64],

@@ -24,14 +24,13 @@
 //! step is a good start for the next one.
 //!
 //! Prescribed unknowns: the prescribed part of û and v̂ is overwritten by the values at t*, and a = a_free + a_known,
-//! where a_known = (v̂ prescribed − v̂)/c carries their inertia. All three go to the right-hand side, and the solve is
-//! for a_free, in the range of P.
+//! where a_known carries the inertia of the prescribed motion ([`Inertia`]). All three go to the right-hand side, and
+//! the solve is for a_free, in the range of P.
 //!
 //! References: E. Hairer and G. Wanner, "Solving Ordinary Differential Equations II", §III.5 of volume I for variable
 //! step BDF; N. M. Newmark, "A method of computation for structural dynamics", 1959.
 
 use crate::cg::LinearReport;
-use crate::explicit::acceleration;
 use crate::failure::{Failure, FailureKind, check_finite};
 use crate::newton::{NewtonOptions, NewtonProblem, NewtonStatus, newton};
 use crate::second_order::{Combination, SecondOrder};
@@ -51,7 +50,7 @@ pub(crate) fn implicit_euler(
         workspace.stage_u[i] = state.u[i] + h * state.v[i];
         workspace.stage_v[i] = state.v[i];
     }
-    let stage = Stage { t: state.t + h, b: h * h, c: h };
+    let stage = Stage { t: state.t + h, b: h * h, c: h, inertia: Inertia::OfStage };
     stage.solve(system, state, options, workspace, report)
 }
 
@@ -68,7 +67,7 @@ pub(crate) fn implicit_midpoint(
         workspace.stage_u[i] = state.u[i] + half * state.v[i];
         workspace.stage_v[i] = state.v[i];
     }
-    let stage = Stage { t: state.t + half, b: half * half, c: half };
+    let stage = Stage { t: state.t + half, b: half * half, c: half, inertia: Inertia::MeanOfStep(h) };
     stage.solve(system, state, options, workspace, report)?;
     // From the middle to the end: u₁ = 2 u − u₀, v₁ = 2 v − v₀.
     for i in 0..state.u.len() {
@@ -102,7 +101,7 @@ pub(crate) fn bdf2(
         workspace.stage_u[i] = now * state.u[i] + before * previous.u[i] + tau * v_bar;
         workspace.stage_v[i] = v_bar;
     }
-    let stage = Stage { t: state.t + h, b: tau * tau, c: tau };
+    let stage = Stage { t: state.t + h, b: tau * tau, c: tau, inertia: Inertia::OfStage };
     stage.solve(system, state, options, workspace, report)
 }
 
@@ -118,8 +117,7 @@ pub(crate) fn newmark(
 ) -> Result<(), Failure> {
     // The first step finds its acceleration from the forces.
     if state.acceleration.is_empty() {
-        let StepWorkspace { force, a, .. } = workspace;
-        acceleration(system, state.t, &state.u, &state.v, force, a, report)?;
+        initial_acceleration(system, state, h, workspace, report)?;
     } else {
         workspace.a.copy_from_slice(&state.acceleration);
     }
@@ -128,8 +126,64 @@ pub(crate) fn newmark(
         workspace.stage_u[i] = state.u[i] + h * state.v[i] + h * h * (0.5 - beta) * a;
         workspace.stage_v[i] = state.v[i] + h * (1.0 - gamma) * a;
     }
-    let stage = Stage { t: state.t + h, b: beta * h * h, c: gamma * h };
+    let stage = Stage { t: state.t + h, b: beta * h * h, c: gamma * h, inertia: Inertia::EndOfStep(h) };
     stage.solve(system, state, options, workspace, report)
+}
+
+/// a ← P M⁻¹ P (F(t₀, u₀, v₀) − M a_known), with the inertia of the prescribed motion at the start of the step.
+fn initial_acceleration(
+    system: &mut dyn SecondOrder,
+    state: &State,
+    h: f64,
+    workspace: &mut StepWorkspace,
+    report: &mut StepReport,
+) -> Result<(), Failure> {
+    let StepWorkspace { force, a, implicit, .. } = workspace;
+    prescribed_acceleration(system, state, h, [-3.0, 4.0, -1.0], implicit);
+    system.force(state.t, &state.u, &state.v, force)?;
+    if !is_zero(&implicit.known) {
+        system.mass_apply(&implicit.known, &mut implicit.product);
+        subtract(&implicit.product, force);
+    }
+    system.project(force);
+    check_finite("the force", force)?;
+    a.fill(0.0);
+    let linear = system.mass_solve(force, a);
+    report.record(linear)
+}
+
+/// known ← Σ wₖ V(t₀ + k h/2) / h: a one-sided second-order derivative of the prescribed velocity, zero elsewhere.
+fn prescribed_acceleration(
+    system: &mut dyn SecondOrder,
+    state: &State,
+    h: f64,
+    weights: [f64; 3],
+    implicit: &mut ImplicitWorkspace,
+) {
+    let ImplicitWorkspace { known, product: start, total: velocity, trial_u, .. } = implicit;
+    trial_u.copy_from_slice(&state.u);
+    start.copy_from_slice(&state.v);
+    system.prescribe(state.t, trial_u, start);
+    known.fill(0.0);
+    // The weights sum to zero: differences from the start leave free unknowns at zero exactly.
+    for (weight, fraction) in weights.into_iter().zip([0.0, 0.5, 1.0]).skip(1) {
+        velocity.copy_from_slice(start);
+        system.prescribe(state.t + fraction * h, trial_u, velocity);
+        for i in 0..known.len() {
+            known[i] += weight * (velocity[i] - start[i]) / h;
+        }
+    }
+}
+
+/// How the acceleration of prescribed unknowns follows from their prescribed velocities V; to the order of the method.
+enum Inertia {
+    /// (V(t*) − v̂)/c: the method's own difference quotient.
+    OfStage,
+    /// (V(t₀ + h) − v₀)/h: that of the middle of a step of h.
+    MeanOfStep(f64),
+    /// (3 V(t₀ + h) − 4 V(t₀ + h/2) + V(t₀))/h: that of its end. Why not the method's own quotient: Newmark's recurrence
+    /// lets an error of the first acceleration alternate for ever.
+    EndOfStep(f64),
 }
 
 /// The family u = û + b a, v = v̂ + c a at time t; û and v̂ are in the workspace.
@@ -137,6 +191,7 @@ struct Stage {
     t: f64,
     b: f64,
     c: f64,
+    inertia: Inertia,
 }
 
 impl Stage {
@@ -155,12 +210,7 @@ impl Stage {
     ) -> Result<(), Failure> {
         let StepWorkspace { u, v, stage_u, stage_v, force, a, implicit } = workspace;
 
-        // Prescribed parts of the family.
-        implicit.known.copy_from_slice(stage_v);
-        system.prescribe(self.t, stage_u, stage_v);
-        for (known, prescribed) in implicit.known.iter_mut().zip(&*stage_v) {
-            *known = (prescribed - *known) / self.c;
-        }
+        self.set_prescribed(system, state, stage_u, stage_v, implicit);
 
         let rhs = force;
         self.linearised_rhs(system, state, stage_u, stage_v, implicit, rhs)?;
@@ -186,6 +236,40 @@ impl Stage {
             v[i] = stage_v[i] + self.c * a[i];
         }
         Ok(())
+    }
+
+    /// Sets the prescribed parts of û, v̂ and a.
+    fn set_prescribed(
+        &self,
+        system: &mut dyn SecondOrder,
+        state: &State,
+        stage_u: &mut [f64],
+        stage_v: &mut [f64],
+        implicit: &mut ImplicitWorkspace,
+    ) {
+        let known = &mut implicit.known;
+        match self.inertia {
+            Inertia::OfStage => {
+                known.copy_from_slice(stage_v);
+                system.prescribe(self.t, stage_u, stage_v);
+                for (known, prescribed) in known.iter_mut().zip(&*stage_v) {
+                    *known = (prescribed - *known) / self.c;
+                }
+            }
+            Inertia::MeanOfStep(h) => {
+                implicit.trial_u.copy_from_slice(&state.u);
+                known.copy_from_slice(&state.v);
+                system.prescribe(state.t + h, &mut implicit.trial_u, known);
+                for (known, start) in known.iter_mut().zip(&state.v) {
+                    *known = (*known - start) / h;
+                }
+                system.prescribe(self.t, stage_u, stage_v);
+            }
+            Inertia::EndOfStep(h) => {
+                prescribed_acceleration(system, state, h, [1.0, -4.0, 3.0], implicit);
+                system.prescribe(self.t, stage_u, stage_v);
+            }
+        }
     }
 
     /// rhs ← P (F(t, u₀, v₀) − K (û − u₀) − D (v̂ − v₀) − M a_known)

@@ -6,9 +6,12 @@
 //!
 //! | question | function | what it asks for |
 //! |---|---|---|
-//! | `A x = b`, A symmetric | [`cg()`] with a [`Preconditioner`] and a [`Projector`] | products, or stored entries |
+//! | `A x = b`, A symmetric | [`cg()`] with a [`Preconditioner`] and a [`Projector`]; [`SkylineLdlt`] | products; stored entries |
 //! | `r(x) = 0` | [`newton()`] | [`NewtonProblem`] |
+//! | `r(x, λ) = 0`, λ from 0 to 1 | [`quasi_static()`] | [`LoadProblem`] |
 //! | `M ü = F(t, u, u̇)` | [`step()`] with a [`Method`] and a [`State`] | [`SecondOrder`] |
+//! | the largest step that is stable | [`critical_step()`] | [`SecondOrder`] |
+//! | has it come to rest? | [`RestMonitor`] | a kinetic energy |
 //!
 //! Everything that can go wrong with numbers (no convergence, negative curvature, a state that the system refuses, a
 //! value that is not finite) comes back as a value that says so.
@@ -21,25 +24,36 @@
 pub mod block_csr;
 pub mod block_jacobi;
 pub mod cg;
+pub mod critical_step;
 pub mod csr;
+pub mod direct;
 pub mod explicit;
 pub mod failure;
 pub mod implicit;
 pub mod incomplete_cholesky;
+pub mod lanczos;
 pub mod method;
 pub mod newton;
 pub mod operator;
+pub mod ordering;
+pub mod quasi_static;
+pub mod rest;
 pub mod second_order;
 pub mod small_dense;
 pub mod step;
+#[cfg(feature = "direct")]
+pub mod supernodal;
 pub mod vector;
 
 pub use block_csr::{BlockCsr, PatternError};
 pub use block_jacobi::BlockJacobi;
 pub use cg::{CgOptions, CgWorkspace, LinearReport, LinearStatus, cg};
+pub use critical_step::{CriticalStep, StepBound, critical_step, stable_step};
 pub use csr::Csr;
+pub use direct::{DirectError, DirectSolver, SkylineLdlt, solve_directly};
 pub use failure::{Failure, FailureKind};
 pub use incomplete_cholesky::{IncompleteCholesky, IncompleteCholeskyError};
+pub use lanczos::LanczosOptions;
 pub use method::{Method, MethodError};
 pub use newton::{
     LineSearch, NewtonIteration, NewtonOptions, NewtonOutcome, NewtonProblem, NewtonStatus, NewtonWorkspace, newton,
@@ -48,6 +62,12 @@ pub use operator::{
     DiagonalOperator, FixedUnknowns, Identity, Jacobi, LinearOperator, NoProjection, OperatorFromFn, Preconditioner,
     Projector,
 };
+pub use quasi_static::{
+    LoadProblem, LoadStep, Predictor, QuasiStaticOptions, QuasiStaticOutcome, QuasiStaticStatus, quasi_static,
+};
+pub use rest::{Rest, RestMonitor, kinetic_energy};
 pub use second_order::{Combination, SecondOrder};
 pub use step::{Previous, State, StepOptions, StepReport, StepStatus, StepWorkspace, WarmStart, step};
+#[cfg(feature = "direct")]
+pub use supernodal::SupernodalCholesky;
 pub use vector::{PairwiseSum, Serial, VectorOps};
