@@ -1,7 +1,7 @@
 //! Documents that point somewhere point at something.
 //!
 //! README's commands name packages, binaries, subcommands and files that exist, and the test command is among them;
-//! relative links in Markdown lead to files, and their `#…` to headings.
+//! relative links in Markdown lead to files, and their `#…` to headings; changelog fragments have a known kind.
 
 use crate::stages::{self, Outcome};
 use crate::workspace::Workspace;
@@ -9,6 +9,9 @@ use std::path::Path;
 
 /// The command that README promises.
 const TEST_COMMAND: &str = "cargo xtask test";
+
+/// Kinds of changelog fragments, as `changelog.d/README.md` explains them.
+const KINDS: &[&str] = &["added", "changed", "fixed", "removed", "speed", "accuracy"];
 
 /// Subcommands of cargo that a command in README may use.
 const CARGO: &[&str] = &["bench", "build", "check", "clippy", "doc", "fmt", "install", "run", "test"];
@@ -43,7 +46,19 @@ pub(crate) fn run(workspace: &Workspace) -> Outcome {
             Err(complaint) => findings.push(complaint),
         }
     }
+    findings.extend(
+        workspace.files.iter().filter(|f| is_unknown_fragment(f)).map(|file| {
+            format!("{file}: a changelog fragment is named `slug.kind.md`, kind one of {}", KINDS.join(", "))
+        }),
+    );
     Outcome::of(findings, || format!("{} commands, {links} relative links", commands.len()))
+}
+
+/// Whether a file lies among the changelog fragments and is none.
+fn is_unknown_fragment(file: &str) -> bool {
+    let Some(name) = file.strip_prefix("changelog.d/") else { return false };
+    let known = |(slug, kind): (&str, &str)| !slug.is_empty() && !slug.contains('.') && KINDS.contains(&kind);
+    name != "README.md" && !name.strip_suffix(".md").and_then(|stem| stem.rsplit_once('.')).is_some_and(known)
 }
 
 /// Commands of the `sh` blocks, without prompts and comments; a trailing backslash joins lines.
@@ -175,6 +190,17 @@ mod tests {
     fn commands_are_read() {
         let text = "```sh\n$ cargo run \\\n  --release # fast\n# nothing\ncargo xtask test\n```\n```toml\nx = 1\n```\ncargo build\n";
         assert_eq!(shell_commands(text), ["cargo run --release", "cargo xtask test"]);
+    }
+
+    /// Only `slug.kind.md` is a changelog fragment.
+    #[test]
+    fn fragments_are_told_apart() {
+        for bad in ["changelog.d/a.md", "changelog.d/a.news.md", "changelog.d/.added.md", "changelog.d/a.added.txt"] {
+            assert!(is_unknown_fragment(bad), "{bad}");
+        }
+        for good in ["changelog.d/mixed-bar.added.md", "changelog.d/README.md", "docs/a.md"] {
+            assert!(!is_unknown_fragment(good), "{good}");
+        }
     }
 
     /// Links are read outside code, with their lines; those to other sites are left alone.
