@@ -1,14 +1,19 @@
 //! Documents that point somewhere point at something.
 //!
 //! README's commands name packages, binaries, subcommands and files that exist, and the test command is among them;
-//! relative links in Markdown lead to files, and their `#…` to headings; changelog fragments have a known kind.
+//! relative links in Markdown lead to files, and their `#…` to headings; changelog fragments have a known kind;
+//! every identifier of the notation page occurs in the file that its row links to.
 
+use crate::rust_source::identifiers;
 use crate::stages::{self, Outcome};
 use crate::workspace::Workspace;
 use std::path::Path;
 
 /// The command that README promises.
 const TEST_COMMAND: &str = "cargo xtask test";
+
+/// The page whose tables give symbols their identifiers.
+const NOTATION: &str = "docs/notation.md";
 
 /// Kinds of changelog fragments, as `changelog.d/README.md` explains them.
 const KINDS: &[&str] = &["added", "changed", "fixed", "removed", "speed", "accuracy"];
@@ -46,12 +51,39 @@ pub(crate) fn run(workspace: &Workspace) -> Outcome {
             Err(complaint) => findings.push(complaint),
         }
     }
+    match workspace.read(NOTATION) {
+        Ok(text) => {
+            for (line, identifier, home) in homes(&text) {
+                let path = workspace.root.join("docs").join(&home);
+                let found = std::fs::read_to_string(path).is_ok_and(|t| identifiers(&t).any(|w| w == identifier));
+                if !found {
+                    findings.push(format!(
+                        "{NOTATION}:{line}: `{identifier}` is not in {home}: rename it in both, or correct the row"
+                    ));
+                }
+            }
+        }
+        Err(complaint) => findings.push(complaint),
+    }
     findings.extend(
         workspace.files.iter().filter(|f| is_unknown_fragment(f)).map(|file| {
             format!("{file}: a changelog fragment is named `slug.kind.md`, kind one of {}", KINDS.join(", "))
         }),
     );
     Outcome::of(findings, || format!("{} commands, {links} relative links", commands.len()))
+}
+
+/// Line, identifier and home of the notation page's rows: back-quoted words of the second column, link in the last.
+fn homes(text: &str) -> Vec<(usize, String, String)> {
+    let mut homes = Vec::new();
+    for (number, line) in text.lines().enumerate() {
+        let cells: Vec<&str> = line.trim().trim_matches('|').split('|').map(str::trim).collect();
+        let Some((_, link)) = cells.last().and_then(|home| home.split_once("](")) else { continue };
+        for identifier in cells.get(1).into_iter().flat_map(|cell| cell.split('`').skip(1).step_by(2)) {
+            homes.push((number + 1, identifier.to_owned(), link.trim_end_matches(')').to_owned()));
+        }
+    }
+    homes
 }
 
 /// Whether a file lies among the changelog fragments and is none.
@@ -190,6 +222,14 @@ mod tests {
     fn commands_are_read() {
         let text = "```sh\n$ cargo run \\\n  --release # fast\n# nothing\ncargo xtask test\n```\n```toml\nx = 1\n```\ncargo build\n";
         assert_eq!(shell_commands(text), ["cargo run --release", "cargo xtask test"]);
+    }
+
+    /// Rows of the notation page are read with their line, every identifier and the link.
+    #[test]
+    fn notation_rows_are_read() {
+        let text = "| s | i | home |\n|---|---|---|\n| β, γ | `beta`, `gamma` | [m.rs](../m.rs) |\n| a | – | [m.rs](../m.rs) |\n";
+        let expected = ["beta", "gamma"].map(|i| (3, i.to_owned(), "../m.rs".to_owned()));
+        assert_eq!(homes(text), expected);
     }
 
     /// Only `slug.kind.md` is a changelog fragment.
