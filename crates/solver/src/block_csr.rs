@@ -182,29 +182,24 @@ impl BlockCsr {
         }
     }
 
-    /// The product for a block size known to the compiler.
-    ///
-    /// One partial sum per entry of the block: the inner loops then have no dependency on each other and become wide
-    /// multiply-adds; the sum over columns of the block is taken once per row.
+    /// The product for a block size known to the compiler, which then keeps the row's sums in registers.
     fn multiply_rows_of<const B: usize>(&self, rows: Range<usize>, x: &[f64], y: &mut [f64]) {
         let (x, _) = x.as_chunks::<B>();
         let (y, _) = y.as_chunks_mut::<B>();
         let (values, _) = self.values.as_chunks::<B>();
+        let (blocks, _) = values.as_chunks::<B>();
         for (row, y) in rows.zip(y) {
             let slots = self.row_slots(row);
-            let mut partial = [[0.0; B]; B];
-            let blocks = values[slots.start * B..slots.end * B].chunks_exact(B);
-            for (block, &column) in blocks.zip(&self.columns[slots]) {
+            let mut sum = [0.0; B];
+            for (block, &column) in blocks[slots.clone()].iter().zip(&self.columns[slots]) {
                 let x = &x[column as usize];
                 for i in 0..B {
                     for j in 0..B {
-                        partial[i][j] += block[i][j] * x[j];
+                        sum[i] += block[i][j] * x[j];
                     }
                 }
             }
-            for i in 0..B {
-                y[i] = partial[i].iter().sum();
-            }
+            *y = sum;
         }
     }
 

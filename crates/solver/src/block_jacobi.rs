@@ -19,7 +19,7 @@ pub struct BlockJacobi {
 }
 
 impl BlockJacobi {
-    /// From the diagonal blocks, [block][row][column], each `block` × `block` and symmetric.
+    /// From the diagonal blocks, \[block\]\[row\]\[column\], each `block` × `block` and symmetric.
     ///
     /// # Panics
     /// When `block` is zero or `blocks` is not a whole number of blocks.

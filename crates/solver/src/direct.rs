@@ -141,6 +141,9 @@ pub struct SkylineLdlt {
 /// A pivot smaller than this share of the terms that it is the difference of is rounding.
 const PIVOT_ROUNDING: f64 = 1e-13;
 
+/// Rows that are factored together.
+const GROUP: usize = 8;
+
 impl SkylineLdlt {
     /// Orders the unknowns of a symmetric pattern and finds its profile. Values are not read.
     pub fn analyse(matrix: &Csr) -> Self {
@@ -182,6 +185,60 @@ impl SkylineLdlt {
     }
 }
 
+impl SkylineLdlt {
+    /// Copies the lower part of a row of the matrix; its diagonal goes to the pivots.
+    fn load_row(&mut self, matrix: &Csr, i: usize) -> Result<(), DirectError> {
+        let first = self.first[i];
+        let row = &mut self.values[self.start[i]..self.start[i + 1]];
+        self.pivots[i] = 0.0;
+        for (column, value) in matrix.row(self.order[i] as usize) {
+            let j = self.place[column] as usize;
+            if j < first {
+                return Err(DirectError::OtherPattern);
+            } else if j < i {
+                row[j - first] = value;
+            } else if j == i {
+                self.pivots[i] = value;
+            }
+        }
+        Ok(())
+    }
+
+    /// g_j ← a_ij − Σ_k g_k l_jk, once all g_k before it are there. Nothing to do left of the profile.
+    fn eliminate(&mut self, i: usize, j: usize) {
+        let first = self.first[i];
+        if j < first {
+            return;
+        }
+        let low = first.max(self.first[j]);
+        let (above, rest) = self.values.split_at_mut(self.start[i]);
+        let l = &above[self.start[j] + low - self.first[j]..self.start[j] + j - self.first[j]];
+        rest[j - first] -= contiguous_dot(&rest[low - first..j - first], l);
+    }
+
+    /// l_ij = g_j / d_j and the pivot of the row.
+    fn finish_row(&mut self, i: usize) -> Result<(), DirectError> {
+        let unknown = self.order[i] as usize;
+        let diagonal = self.pivots[i];
+        let (mut pivot, mut terms) = (diagonal, diagonal.abs());
+        let row = &mut self.values[self.start[i]..self.start[i + 1]];
+        for (g, d) in row.iter_mut().zip(&self.pivots[self.first[i]..i]) {
+            let l = *g / d;
+            pivot -= *g * l;
+            terms += (*g * l).abs();
+            *g = l;
+        }
+        if !terms.is_finite() {
+            return Err(DirectError::NotFinite { unknown });
+        }
+        if pivot.abs() <= PIVOT_ROUNDING * terms {
+            return Err(DirectError::Singular { unknown });
+        }
+        self.pivots[i] = pivot;
+        Ok(())
+    }
+}
+
 impl DirectSolver for SkylineLdlt {
     fn factor(&mut self, matrix: &Csr) -> Result<(), DirectError> {
         let n = self.order.len();
@@ -190,42 +247,24 @@ impl DirectSolver for SkylineLdlt {
         }
         self.values.clear();
         self.values.resize(self.entry_count, 0.0);
-        for i in 0..n {
-            let unknown = self.order[i] as usize;
-            let first = self.first[i];
-            let (above, rest) = self.values.split_at_mut(self.start[i]);
-            let row = &mut rest[..i - first];
-            let mut diagonal = 0.0;
-            for (column, value) in matrix.row(unknown) {
-                let j = self.place[column] as usize;
-                if j < i {
-                    if j < first {
-                        return Err(DirectError::OtherPattern);
-                    }
-                    row[j - first] = value;
-                } else if j == i {
-                    diagonal = value;
+        for begin in (0..n).step_by(GROUP) {
+            let end = (begin + GROUP).min(n);
+            for i in begin..end {
+                self.load_row(matrix, i)?;
+            }
+            // A row above serves the whole group while it is in the cache nearest to the processor.
+            let lowest = self.first[begin..end].iter().copied().min().unwrap_or(begin);
+            for j in lowest..begin {
+                for i in begin..end {
+                    self.eliminate(i, j);
                 }
             }
-            for j in first..i {
-                let low = first.max(self.first[j]);
-                let l = &above[self.start[j] + low - self.first[j]..self.start[j] + j - self.first[j]];
-                row[j - first] -= contiguous_dot(&row[low - first..j - first], l);
+            for i in begin..end {
+                for j in begin..i {
+                    self.eliminate(i, j);
+                }
+                self.finish_row(i)?;
             }
-            let (mut pivot, mut terms) = (diagonal, diagonal.abs());
-            for (g, d) in row.iter_mut().zip(&self.pivots[first..i]) {
-                let l = *g / d;
-                pivot -= *g * l;
-                terms += (*g * l).abs();
-                *g = l;
-            }
-            if !terms.is_finite() {
-                return Err(DirectError::NotFinite { unknown });
-            }
-            if pivot.abs() <= PIVOT_ROUNDING * terms {
-                return Err(DirectError::Singular { unknown });
-            }
-            self.pivots[i] = pivot;
         }
         Ok(())
     }

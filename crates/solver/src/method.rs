@@ -1,6 +1,6 @@
 //! The time integration methods: their names, orders and parameters.
 //!
-//! What each computes is in [`crate::explicit`] and [`crate::implicit`].
+//! What each computes is in the private modules `explicit` and `implicit`.
 
 use std::str::FromStr;
 

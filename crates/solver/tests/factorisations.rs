@@ -213,7 +213,7 @@ fn direct_solves_are_exact() {
     for row in 0..scattered.row_count() {
         for slot in scattered.row_start[row]..scattered.row_start[row + 1] {
             let column = scattered.columns[slot] as usize;
-            if row / 2 != column / 2 && (row / 2 % 3 == 0 || column / 2 % 3 == 0) {
+            if row / 2 != column / 2 && ((row / 2).is_multiple_of(3) || (column / 2).is_multiple_of(3)) {
                 scattered.values[slot] = 0.0;
             }
         }
