@@ -1,0 +1,165 @@
+//! `[linear_solver]`: how the system of an implicit step is solved.
+
+use serde::Serialize;
+
+use crate::choice::{Named, choices};
+use crate::dimension::Dimension;
+use crate::location::Spanned;
+use crate::range::Range;
+use crate::reader::{Fields, Reader};
+use crate::schema::{Key, Kind, Presence, Section};
+
+choices! {
+    /// A linear solver.
+    pub enum LinearMethod {
+        /// Conjugate gradients.
+        Cg = "cg",
+        /// A sparse factorisation; for quasi-static and small problems.
+        Direct = "direct",
+    }
+}
+
+choices! {
+    /// A preconditioner of the conjugate gradients.
+    pub enum Preconditioner {
+        /// None.
+        None = "none",
+        /// The diagonal.
+        Jacobi = "jacobi",
+        /// The 3×3 block of each node.
+        BlockJacobi = "block-jacobi",
+        /// An incomplete factorisation with the matrix's own pattern; needs an assembled operator.
+        IncompleteCholesky = "incomplete-cholesky",
+    }
+}
+
+choices! {
+    /// How the matrix is applied.
+    pub enum Operator {
+        /// Whichever is measured to be cheaper.
+        Auto = "auto",
+        /// Element by element, never stored.
+        MatrixFree = "matrix-free",
+        /// Assembled once per linearisation into sparse rows of 3×3 blocks.
+        Assembled = "assembled",
+    }
+}
+
+/// How linear systems are solved.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LinearSolver {
+    /// The solver [conjugate gradients].
+    pub method: Spanned<LinearMethod>,
+    /// Preconditioner of the conjugate gradients [block-Jacobi].
+    pub preconditioner: Spanned<Preconditioner>,
+    /// How the matrix is applied [auto].
+    pub operator: Spanned<Operator>,
+    /// Stop when the residual is this fraction of the right-hand side [1e-6].
+    pub tolerance: f64,
+    /// Stop when the norm of the residual is below this [0 N].
+    pub absolute_tolerance: f64,
+    /// Largest number of iterations [1000].
+    pub max_iterations: u32,
+    /// Start from the last step's solution [true].
+    pub warm_start: bool,
+}
+
+impl Default for LinearSolver {
+    fn default() -> Self {
+        LinearSolver {
+            method: Spanned::default_value(LinearMethod::Cg),
+            preconditioner: Spanned::default_value(Preconditioner::BlockJacobi),
+            operator: Spanned::default_value(Operator::Auto),
+            tolerance: 1e-6,
+            absolute_tolerance: 0.0,
+            max_iterations: 1000,
+            warm_start: true,
+        }
+    }
+}
+
+pub(crate) static LINEAR_SOLVER: Section = Section {
+    header: "[linear_solver]",
+    about: "how the linear system of an implicit or quasi-static step is solved",
+    keys: &[
+        Key {
+            name: "method",
+            kind: Kind::Choice(LinearMethod::CHOICES),
+            presence: Presence::Default("\"cg\""),
+            about: "the solver",
+        },
+        Key {
+            name: "preconditioner",
+            kind: Kind::Choice(Preconditioner::CHOICES),
+            presence: Presence::Default("\"block-jacobi\""),
+            about: "preconditioner of the conjugate gradients",
+        },
+        Key {
+            name: "operator",
+            kind: Kind::Choice(Operator::CHOICES),
+            presence: Presence::Default("\"auto\""),
+            about: "how the matrix is applied",
+        },
+        Key {
+            name: "tolerance",
+            kind: Kind::Number(Dimension::NUMBER, Range { maximum: Range::INSIDE_UNIT.maximum, ..Range::NOT_NEGATIVE }),
+            presence: Presence::Default("1e-6"),
+            about: "stop when the residual is this fraction of the right-hand side",
+        },
+        Key {
+            name: "absolute_tolerance",
+            kind: Kind::Number(Dimension::FORCE, Range::NOT_NEGATIVE),
+            presence: Presence::Default("0.0"),
+            about: "stop when the norm of the residual, as a force, is below this",
+        },
+        Key {
+            name: "max_iterations",
+            kind: Kind::Whole(1, u32::MAX),
+            presence: Presence::Default("1000"),
+            about: "largest number of iterations",
+        },
+        Key {
+            name: "warm_start",
+            kind: Kind::Boolean,
+            presence: Presence::Default("true"),
+            about: "start from the last step's solution",
+        },
+    ],
+    other_keys: None,
+};
+
+impl Reader<'_> {
+    pub(crate) fn linear_solver(&mut self, fields: &Fields<'_>) -> LinearSolver {
+        let default = LinearSolver::default();
+        let solver = LinearSolver {
+            method: self.choice(fields, "method").unwrap_or(default.method),
+            preconditioner: self.choice(fields, "preconditioner").unwrap_or(default.preconditioner),
+            operator: self.choice(fields, "operator").unwrap_or(default.operator),
+            tolerance: self.number(fields, "tolerance").map_or(default.tolerance, |value| value.value),
+            absolute_tolerance: self
+                .number(fields, "absolute_tolerance")
+                .map_or(default.absolute_tolerance, |value| value.value),
+            max_iterations: self.whole(fields, "max_iterations").map_or(default.max_iterations, |value| value.value),
+            warm_start: self.boolean(fields, "warm_start").map_or(default.warm_start, |value| value.value),
+        };
+        if solver.method.value == LinearMethod::Direct {
+            for name in
+                ["preconditioner", "operator", "tolerance", "absolute_tolerance", "max_iterations", "warm_start"]
+            {
+                if let Some(at) = fields.key_at(name) {
+                    self.warn(at.clone(), format!("`{name}` has no effect with method \"direct\""));
+                }
+            }
+        } else if solver.preconditioner.value == Preconditioner::IncompleteCholesky
+            && solver.operator.value == Operator::MatrixFree
+        {
+            let message = "an incomplete Cholesky factorisation needs the matrix; use operator = \"assembled\" or \
+                \"auto\", or preconditioner = \"block-jacobi\"";
+            self.conflict(fields.place("preconditioner"), message);
+        } else if solver.tolerance == 0.0 && solver.absolute_tolerance == 0.0 {
+            let message = "`tolerance` and `absolute_tolerance` are both 0, which is never reached; give one of them";
+            self.conflict(fields.place("tolerance"), message);
+        }
+        solver
+    }
+}
