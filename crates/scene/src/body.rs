@@ -20,9 +20,9 @@ use crate::schema::{Key, Kind, Presence, Section};
 pub struct Body {
     /// Its name, unlike any other body's.
     pub name: Spanned<String>,
-    /// Mass per rest volume [kg/m³], positive.
+    /// Mass per rest volume (kg/m³), positive.
     pub density: Spanned<f64>,
-    /// Velocity of every node at the start [m/s] [0, 0, 0].
+    /// Velocity of every node at the start (m/s; default 0, 0, 0).
     pub initial_velocity: [f64; 3],
     /// Where its mesh comes from.
     pub mesh: Spanned<Mesh>,

@@ -1,6 +1,6 @@
 //! Words that a scene may choose from, each declared once.
 //!
-//! [`choices!`] makes of one declaration the enum, its words in scenes, its documentation for people, and its
+//! `choices!` makes of one declaration the enum, its words in scenes, its documentation for people, and its
 //! serialisation; a word cannot be accepted without being documented.
 
 /// One word and what it means.

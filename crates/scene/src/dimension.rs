@@ -25,7 +25,7 @@ pub type Exponents = [i16; 4];
 macro_rules! dimensions {
     ($($constant:ident = $name:literal, $unit:literal, $example:literal, $exponents:expr;)+) => {
         impl Dimension {
-            $(#[doc = concat!("The dimension of: ", $name, " [", $unit, "].")]
+            $(#[doc = concat!("The dimension of: ", $name, " (", $unit, ").")]
             pub const $constant: Dimension =
                 Dimension { name: $name, unit: $unit, example: $example, exponents: $exponents };)+
 

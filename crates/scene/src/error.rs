@@ -57,7 +57,7 @@ pub enum Problem {
     MissingParameter {
         /// The law.
         law: String,
-        /// What is needed, with units: "`young` [Pa]: Young's modulus".
+        /// What is needed, with units: "`young`, Young's modulus".
         needed: String,
         /// Related parameters that were given.
         given: Vec<String>,

@@ -72,9 +72,9 @@ pub struct ExpectedValue {
     pub index: Option<u32>,
     /// The value in SI units: 1 number, or 3 for a whole vector, 6 for a whole tensor.
     pub value: Spanned<Vec<f64>>,
-    /// Largest absolute difference, in SI units [0].
+    /// Largest absolute difference, in SI units (default 0).
     pub tolerance: f64,
-    /// Largest difference relative to the value's norm [0]; one of the two is positive.
+    /// Largest difference relative to the value's norm (default 0); one of the two is positive.
     pub relative_tolerance: f64,
 }
 

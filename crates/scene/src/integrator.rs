@@ -43,34 +43,34 @@ impl Method {
 /// How positions and velocities advance.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Integrator {
-    /// The method [implicit Euler].
+    /// The method (default implicit Euler).
     pub method: Spanned<Method>,
-    /// Largest number of Newton iterations per step (per load step when quasi-static) [1; 50 when quasi-static].
+    /// Largest number of Newton iterations per step (per load step when quasi-static); default 1, or 50 when quasi-static.
     ///
     /// 1 means linearised once per step.
     pub newton_iterations: u32,
-    /// Newton has converged when the residual is this fraction of the first one [1e-6].
+    /// Newton has converged when the residual is this fraction of the first one (default 1e-6).
     pub newton_tolerance: f64,
-    /// Shorten Newton's step until the residual decreases [true].
+    /// Shorten Newton's step until the residual decreases (default true).
     pub line_search: bool,
-    /// Quasi-static: equal parts in which each step's loads and motions are applied [1].
+    /// Quasi-static: equal parts in which each step's loads and motions are applied (default 1).
     pub load_steps: u32,
-    /// Damping of velocities by exp(−d h) per step, d in 1/s [0].
+    /// Damping of velocities by exp(−d h) per step, d in 1/s (default 0).
     pub velocity_damping: f64,
-    /// Rayleigh damping [none].
+    /// Rayleigh damping (default none).
     pub rayleigh: Rayleigh,
-    /// Parameters of Newmark's method [average acceleration].
+    /// Parameters of Newmark's method (default average acceleration).
     pub newmark: Newmark,
-    /// Go on with an explicit step larger than the critical one [false].
+    /// Go on with an explicit step larger than the critical one (default false).
     pub allow_unstable_step: bool,
 }
 
 /// Damping matrix `D = mass · M + stiffness · K`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Rayleigh {
-    /// Coefficient of the mass matrix [1/s].
+    /// Coefficient of the mass matrix (1/s).
     pub mass: f64,
-    /// Coefficient of the stiffness matrix [s].
+    /// Coefficient of the stiffness matrix (s).
     pub stiffness: f64,
 }
 

@@ -14,7 +14,7 @@ use crate::schema::Kind;
 /// A value and its time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Keyframe<T> {
-    /// Time [s].
+    /// Time (s).
     pub time: f64,
     /// Value; its unit is that of the list.
     pub value: T,

@@ -48,19 +48,19 @@ choices! {
 /// How linear systems are solved.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LinearSolver {
-    /// The solver [conjugate gradients].
+    /// The solver (default conjugate gradients).
     pub method: Spanned<LinearMethod>,
-    /// Preconditioner of the conjugate gradients [block-Jacobi].
+    /// Preconditioner of the conjugate gradients (default block-Jacobi).
     pub preconditioner: Spanned<Preconditioner>,
-    /// How the matrix is applied [auto].
+    /// How the matrix is applied (default auto).
     pub operator: Spanned<Operator>,
-    /// Stop when the residual is this fraction of the right-hand side [1e-6].
+    /// Stop when the residual is this fraction of the right-hand side (default 1e-6).
     pub tolerance: f64,
-    /// Stop when the norm of the residual is below this [0 N].
+    /// Stop when the norm of the residual is below this (default 0 N).
     pub absolute_tolerance: f64,
-    /// Largest number of iterations [1000].
+    /// Largest number of iterations (default 1000).
     pub max_iterations: u32,
-    /// Start from the last step's solution [true].
+    /// Start from the last step's solution (default true).
     pub warm_start: bool,
 }
 

@@ -27,9 +27,9 @@ pub struct Force {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ForceAmount {
-    /// This much [N] over the region, in equal parts.
+    /// This much (N) over the region, in equal parts.
     Total([f64; 3]),
-    /// This much [N] on every node.
+    /// This much (N) on every node.
     PerNode([f64; 3]),
 }
 
@@ -38,7 +38,7 @@ pub enum ForceAmount {
 pub struct Traction {
     /// Which faces of the surface: those whose nodes all lie in the region.
     pub region: Region,
-    /// Force per rest area [Pa].
+    /// Force per rest area (Pa).
     pub traction: [f64; 3],
     /// Multiplies it over time; empty means 1 at all times.
     pub factor: Vec<Keyframe<f64>>,
@@ -49,7 +49,7 @@ pub struct Traction {
 pub struct Pressure {
     /// Which faces of the surface: those whose nodes all lie in the region.
     pub region: Region,
-    /// Pressure [Pa].
+    /// Pressure (Pa).
     pub pressure: f64,
     /// Multiplies it over time; empty means 1 at all times.
     pub factor: Vec<Keyframe<f64>>,

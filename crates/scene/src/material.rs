@@ -27,7 +27,7 @@ pub const USER_LAW: &str = "user";
 /// A law on a region of a body; later materials override earlier ones on their region.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Material {
-    /// Where [all].
+    /// Where (default all).
     pub region: Region,
     /// Id of the law, or [`USER_LAW`].
     pub law: Spanned<String>,
@@ -37,7 +37,7 @@ pub struct Material {
     pub parameters: Vec<Parameter>,
     /// Energy density of a user law, given exactly when `law` is [`USER_LAW`].
     pub energy: Option<Spanned<String>>,
-    /// Viscous part [none].
+    /// Viscous part (default none).
     pub viscosity: Option<Spanned<Viscosity>>,
 }
 

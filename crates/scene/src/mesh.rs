@@ -44,7 +44,7 @@ pub enum Mesh {
 pub struct MeshFile {
     /// Path, relative to the scene's folder.
     pub path: Spanned<String>,
-    /// Length of the file's unit [m]: 1e-3 for a file in millimetres [1].
+    /// Length of the file's unit in metres: 1e-3 for a file in millimetres (default 1).
     pub scale: f64,
 }
 
@@ -54,19 +54,19 @@ pub struct MeshFile {
 /// line along x, and the other sizes and cells are not looked at.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Bar {
-    /// Edge lengths [m], positive.
+    /// Edge lengths (m), positive.
     pub size: Spanned<[f64; 3]>,
     /// Cells along each axis, at least 1.
     pub cells: Spanned<[u32; 3]>,
-    /// Corner with the least coordinates [m] [0, 0, 0].
+    /// Corner with the least coordinates (m; default 0, 0, 0).
     pub origin: [f64; 3],
     /// Sections; `until` increases and ends at 1.
     pub sections: Vec<Spanned<BarSection>>,
-    /// What happens where the faces of two sections do not match [keep].
+    /// What happens where the faces of two sections do not match (default keep).
     pub transition: Transition,
-    /// Tetrahedra per cell, 5 or 6 [6].
+    /// Tetrahedra per cell, 5 or 6 (default 6).
     pub tetrahedra: u32,
-    /// Axis along which the prisms of a cell are extruded [x].
+    /// Axis along which the prisms of a cell are extruded (default x).
     pub prism_axis: Axis,
 }
 

@@ -16,7 +16,7 @@ use crate::schema::{Key, Kind, Presence, Section};
 pub struct Fix {
     /// Which nodes.
     pub region: Region,
-    /// Along which axes [all].
+    /// Along which axes (default all).
     pub axes: [bool; 3],
 }
 
@@ -25,9 +25,9 @@ pub struct Fix {
 pub struct Move {
     /// Which nodes.
     pub region: Region,
-    /// Along which axes the motion is prescribed [all]; always all with a rotation.
+    /// Along which axes the motion is prescribed (default all); always all with a rotation.
     pub axes: [bool; 3],
-    /// Displacements [m] at given times, or none.
+    /// Displacements (m) at given times, or none.
     pub translation: Option<Vec<Keyframe<[f64; 3]>>>,
     /// Rotation, or none; at least one of the two is there.
     pub rotation: Option<Rotation>,
@@ -38,9 +38,9 @@ pub struct Move {
 pub struct Rotation {
     /// Direction of the axis, not zero, of any length.
     pub axis: [f64; 3],
-    /// A point of the axis [m].
+    /// A point of the axis (m).
     pub through: [f64; 3],
-    /// Angles [degrees] at given times; the angle, not the orientation, is interpolated, so 360 is a full turn.
+    /// Angles (degrees) at given times; the angle, not the orientation, is interpolated, so 360 is a full turn.
     pub keys: Vec<Keyframe<f64>>,
 }
 

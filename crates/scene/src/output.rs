@@ -22,21 +22,21 @@ choices! {
 choices! {
     /// A field of the written states; positions are always written.
     pub enum Field {
-        /// Displacement of each node [m].
+        /// Displacement of each node (m).
         Displacement = "displacement",
-        /// Velocity of each node [m/s].
+        /// Velocity of each node (m/s).
         Velocity = "velocity",
-        /// Internal force on each node [N].
+        /// Internal force on each node (N).
         Force = "force",
-        /// Force that holds each fixed or moved node [N].
+        /// Force that holds each fixed or moved node (N).
         Reaction = "reaction",
-        /// Cauchy stress of each element, averaged over its quadrature points [Pa].
+        /// Cauchy stress of each element, averaged over its quadrature points (Pa).
         Stress = "stress",
-        /// Von Mises stress of each element [Pa].
+        /// Von Mises stress of each element (Pa).
         VonMisesStress = "von mises stress",
         /// Green–Lagrange strain of each element.
         Strain = "strain",
-        /// Strain energy per rest volume of each element [J/m^3].
+        /// Strain energy per rest volume of each element (J/m^3).
         EnergyDensity = "energy density",
         /// Deformed over rest volume of each element (mean det F).
         VolumeRatio = "volume ratio",
@@ -48,11 +48,11 @@ choices! {
 /// Which results are written.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Output {
-    /// Time between two written states [s]; `None` writes the first and the last.
+    /// Time between two written states (s); `None` writes the first and the last.
     pub every: Option<Spanned<f64>>,
-    /// Format of the files [vtu].
+    /// Format of the files (default vtu).
     pub format: Format,
-    /// Fields, all different [displacement, velocity].
+    /// Fields, all different (default displacement, velocity).
     pub fields: Vec<Field>,
 }
 

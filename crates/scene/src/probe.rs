@@ -12,31 +12,31 @@ use crate::schema::{Key, Kind, Presence, Section};
 choices! {
     /// A quantity that a probe measures on its region.
     pub enum Quantity {
-        /// Mean of the nodes' displacements [m]; a vector.
+        /// Mean of the nodes' displacements (m); a vector.
         MeanDisplacement = "mean displacement",
-        /// The longest displacement of a node [m]; a number.
+        /// The longest displacement of a node (m); a number.
         MaximumDisplacement = "maximum displacement",
-        /// Displacement of each node [m]; a list of vectors.
+        /// Displacement of each node (m); a list of vectors.
         Displacement = "displacement",
-        /// Mean of the nodes' positions [m]; a vector.
+        /// Mean of the nodes' positions (m); a vector.
         MeanPosition = "mean position",
-        /// Position of each node [m]; a list of vectors.
+        /// Position of each node (m); a list of vectors.
         Position = "position",
-        /// Mean of the nodes' velocities [m/s]; a vector.
+        /// Mean of the nodes' velocities (m/s); a vector.
         MeanVelocity = "mean velocity",
-        /// Sum of the forces that hold the fixed and moved nodes of the region [N]; a vector.
+        /// Sum of the forces that hold the fixed and moved nodes of the region (N); a vector.
         Reaction = "reaction",
-        /// Kinetic energy plus strain energy [J]; a number.
+        /// Kinetic energy plus strain energy (J); a number.
         Energy = "energy",
-        /// Kinetic energy of the nodes [J]; a number.
+        /// Kinetic energy of the nodes (J); a number.
         KineticEnergy = "kinetic energy",
-        /// Strain energy of the elements [J]; a number.
+        /// Strain energy of the elements (J); a number.
         StrainEnergy = "strain energy",
-        /// Mean positions of the nodes that share a rest coordinate along `axis`, in its order [m]; a list of vectors.
+        /// Mean positions of the nodes that share a rest coordinate along `axis`, in its order (m); a list of vectors.
         DeflectionCurve = "deflection curve",
-        /// Mean Cauchy stress of the elements, weighted by volume [Pa]; a symmetric tensor.
+        /// Mean Cauchy stress of the elements, weighted by volume (Pa); a symmetric tensor.
         Stress = "stress",
-        /// Volume of the elements in the deformed shape [m^3]; a number.
+        /// Volume of the elements in the deformed shape (m^3); a number.
         Volume = "volume",
     }
 }
@@ -89,11 +89,11 @@ pub struct Probe {
     pub name: Spanned<String>,
     /// Index of the body; `None` measures every body in which the region selects something.
     pub body: Option<Spanned<usize>>,
-    /// Where [all].
+    /// Where (default all).
     pub region: Region,
     /// What; at least one, all different.
     pub quantities: Vec<Spanned<Quantity>>,
-    /// Axis of a deflection curve [x].
+    /// Axis of a deflection curve (default x).
     pub axis: Axis,
 }
 

@@ -96,7 +96,7 @@ pub fn markdown() -> String {
             QuantityShape::Tensor => "tensor [xx, yy, zz, xy, yz, zx]",
             QuantityShape::Vectors => "list of vectors",
         };
-        let about = Quantity::CHOICES[quantity as usize].about.split(" [").next().unwrap_or_default();
+        let about = Quantity::CHOICES[quantity as usize].about.split(" (").next().unwrap_or_default();
         let about = about.split(';').next().unwrap_or_default().trim();
         push(&mut text, format_args!("| `\"{quantity}\"` | {shape} | {} | {about} |\n", quantity.dimension().unit));
     }

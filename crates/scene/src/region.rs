@@ -34,26 +34,26 @@ pub enum Selection {
     Element(String),
     /// An axis-aligned box, its surface included.
     Box {
-        /// Least coordinates [m].
+        /// Least coordinates (m).
         min: [f64; 3],
-        /// Largest coordinates [m].
+        /// Largest coordinates (m).
         max: [f64; 3],
     },
     /// A ball, its surface included.
     Sphere {
-        /// Centre [m].
+        /// Centre (m).
         centre: [f64; 3],
-        /// Radius [m].
+        /// Radius (m).
         radius: f64,
     },
     /// The half-space that the normal points to, the plane included: (x − point) · normal ≥ 0.
     Plane {
-        /// A point of the plane [m].
+        /// A point of the plane (m).
         point: [f64; 3],
         /// Its normal, not zero, of any length.
         normal: [f64; 3],
     },
-    /// Whatever is at most this far [m] from the body's surface.
+    /// Whatever is at most this far (m) from the body's surface.
     NearSurface(f64),
     /// In every one of these; at least one.
     And(Vec<Region>),

@@ -23,9 +23,9 @@ use crate::time::{TIME, Time};
 /// Two scenes are equal when they describe the same simulation, wherever their values were written.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Scene {
-    /// Title [empty].
+    /// Title (default empty).
     pub title: String,
-    /// Acceleration of gravity [m/s²] [0, 0, 0].
+    /// Acceleration of gravity (m/s²; default 0, 0, 0).
     pub gravity: [f64; 3],
     /// Steps and end; a quasi-static scene without `[time]` is one step of 1 s.
     pub time: Time,

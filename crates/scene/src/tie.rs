@@ -21,7 +21,7 @@ pub struct Tie {
     pub to_body: Spanned<usize>,
     /// Which of its surface: faces whose nodes all lie in the region.
     pub to_region: Region,
-    /// Nodes farther than this [m] from the faces are not tied.
+    /// Nodes farther than this (m) from the faces are not tied.
     pub within: f64,
 }
 

@@ -12,9 +12,9 @@ use crate::schema::{Key, Kind, Presence, Section};
 /// How long is simulated, and in which steps.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Time {
-    /// Time step [s], positive.
+    /// Time step (s), positive.
     pub step: Spanned<f64>,
-    /// End [s], at least one step.
+    /// End (s), at least one step.
     pub end: Spanned<f64>,
     /// When to stop earlier.
     pub stop: Option<Spanned<Stop>>,
@@ -23,9 +23,9 @@ pub struct Time {
 /// Stop when at rest.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Stop {
-    /// Kinetic energy per node [J] under which the bodies are at rest.
+    /// Kinetic energy per node (J) under which the bodies are at rest.
     pub mean_kinetic_energy: f64,
-    /// Time between two checks [s]; `None` checks after every step.
+    /// Time between two checks (s); `None` checks after every step.
     pub check_every: Option<f64>,
 }
 

@@ -14,11 +14,11 @@ use crate::schema::{Key, Kind, Presence, Section};
 /// The viscous part of a material.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Viscosity {
-    /// Shear viscosity η [Pa s] [0].
+    /// Shear viscosity η (Pa s; default 0).
     pub shear: f64,
-    /// Bulk viscosity ζ [Pa s] [0].
+    /// Bulk viscosity ζ (Pa s; default 0).
     pub bulk: f64,
-    /// Terms of a Prony series [none].
+    /// Terms of a Prony series (default none).
     pub prony: Vec<Spanned<PronyTerm>>,
 }
 
@@ -27,7 +27,7 @@ pub struct Viscosity {
 pub struct PronyTerm {
     /// Share g of the instantaneous stress that relaxes, between 0 and 1.
     pub fraction: f64,
-    /// Relaxation time τ [s].
+    /// Relaxation time τ (s).
     pub time: f64,
 }
 
