@@ -48,6 +48,26 @@ pub fn interfaces(topology: &Topology) -> Vec<Interface> {
     found
 }
 
+/// The boundary without the faces that lie on other elements: the skin of the body even where the mesh does not
+/// conform. A quadrangle half of which is free belongs to it.
+pub fn exterior(topology: &Topology) -> Vec<FaceId> {
+    let mut covered: Vec<FaceId> = Vec::new();
+    for interface in interfaces(topology) {
+        match interface {
+            Interface::QuadrangleAgainstTriangles { quadrangle, triangles } => {
+                covered.extend((triangles.len() > 1).then_some(quadrangle));
+                covered.extend(triangles);
+            }
+            Interface::CrossedDiagonals { first, second } => covered.extend(first.into_iter().chain(second)),
+            Interface::DifferentInterpolation { .. } => {}
+        }
+    }
+    covered.sort_unstable();
+    let mut faces = topology.boundary();
+    faces.retain(|face| covered.binary_search(face).is_err());
+    faces
+}
+
 fn different_interpolations(topology: &Topology) -> Vec<Interface> {
     let interpolation = |face: FaceId| {
         let side = topology.run(face.element()).element.faces.get(face.face());

@@ -18,7 +18,7 @@ mod interface;
 mod orbits;
 mod surface;
 
-pub use interface::{Interface, interfaces};
+pub use interface::{Interface, exterior, interfaces};
 pub use surface::{Surface, boundary, euler_characteristic, surface};
 
 use crate::mesh::{ElementId, Mesh};
