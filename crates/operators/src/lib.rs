@@ -1,1 +1,5 @@
-//! See the crate's description in Cargo.toml.
+//! Blocks of elements and kernels become one global operator.
+
+mod derive;
+
+pub use derive::{Association, Derived, OUTPUTS, derive};

@@ -37,9 +37,10 @@ impl Graph {
                 continue;
             }
             let Some(adjoint) = adjoints.remove(&e) else { continue };
-            let adjoint = self.total(adjoint);
+            // The constant in front is kept apart, where it can meet the constants of the partial derivatives.
+            let (scale, adjoint) = self.total(adjoint);
             if by.contains(&e) {
-                found.insert(e, adjoint);
+                found.insert(e, self.scale(scale, adjoint));
                 continue;
             }
             for (operand, partial) in self.partials(e) {
@@ -49,55 +50,59 @@ impl Graph {
                 let contribution = self.mul(adjoint, partial);
                 let entry = adjoints.entry(operand).or_default();
                 let collects = self.varies(e) && !self.varies(operand);
-                if collects { &mut entry.per_point } else { &mut entry.once }.push((Number::ONE, contribution));
+                if collects { &mut entry.per_point } else { &mut entry.once }.push((scale, contribution));
             }
         }
         let zero = self.int(0);
         by.iter().map(|e| found.get(e).copied().unwrap_or(zero)).collect()
     }
 
-    fn total(&mut self, adjoint: Adjoint) -> Expr {
+    fn total(&mut self, adjoint: Adjoint) -> (Number, Expr) {
         let mut terms = adjoint.once;
         if !adjoint.per_point.is_empty() {
-            let inside = self.linear(&adjoint.per_point);
+            let (scale, inside) = self.linear_with_scale(&adjoint.per_point);
             let sum = self.point_sum(inside);
-            terms.push((Number::ONE, sum));
+            terms.push((scale, sum));
         }
-        self.linear(&terms)
+        self.linear_with_scale(&terms)
     }
 
     /// Derivatives of `roots` along a direction: each pair is a variable and the direction's component for it.
     pub fn directional(&mut self, roots: &[Expr], direction: &[(Expr, Expr)]) -> Vec<Expr> {
-        let mut tangent: HashMap<Expr, Expr> = direction.iter().copied().collect();
+        // Constants are kept apart from the nodes that they multiply, so that they meet and cancel.
+        let mut tangent: HashMap<Expr, (Number, Expr)> =
+            direction.iter().map(|&(variable, along)| (variable, (Number::ONE, along))).collect();
         let zero = self.int(0);
         for e in self.reachable(roots) {
             if tangent.contains_key(&e) {
                 continue;
             }
-            let moving = self.operands(e).iter().any(|o| tangent[o] != zero);
+            let moving = self.operands(e).iter().any(|o| tangent[o].1 != zero);
             if !moving {
-                tangent.insert(e, zero);
+                tangent.insert(e, (Number::ONE, zero));
                 continue;
             }
             let value = match self.node(e).clone() {
                 Node::Sum(_, terms) => {
-                    let terms: Vec<(Number, Expr)> = terms.iter().map(|&(k, t)| (k, tangent[&t])).collect();
-                    self.linear(&terms)
+                    let terms: Vec<(Number, Expr)> =
+                        terms.iter().map(|&(k, t)| (k * tangent[&t].0, tangent[&t].1)).collect();
+                    self.linear_with_scale(&terms)
                 }
-                Node::PointSum(o) => self.point_sum(tangent[&o]),
+                Node::PointSum(o) => {
+                    let (scale, inside) = tangent[&o];
+                    (scale, self.point_sum(inside))
+                }
+                Node::Named(_, o) => tangent[&o],
                 _ => {
-                    let terms: Vec<(Number, Expr)> = self
-                        .partials(e)
-                        .into_iter()
-                        .filter(|(o, _)| tangent[o] != zero)
-                        .map(|(o, partial)| (Number::ONE, self.mul(partial, tangent[&o])))
-                        .collect();
-                    self.linear(&terms)
+                    let partials = self.partials(e).into_iter().filter(|(o, _)| tangent[o].1 != zero);
+                    let terms: Vec<(Number, Expr)> =
+                        partials.map(|(o, partial)| (tangent[&o].0, self.mul(partial, tangent[&o].1))).collect();
+                    self.linear_with_scale(&terms)
                 }
             };
             tangent.insert(e, value);
         }
-        roots.iter().map(|r| tangent[r]).collect()
+        roots.iter().map(|r| self.scale(tangent[r].0, tangent[r].1)).collect()
     }
 
     /// Derivative of `root` by one variable.
@@ -119,7 +124,7 @@ impl Graph {
                     (f, self.scaled_powers(c * Number::Rational(n.into(), 1), &rest))
                 })
                 .collect(),
-            Node::PointSum(o) => vec![(o, self.int(1))],
+            Node::PointSum(o) | Node::Named(_, o) => vec![(o, self.int(1))],
             Node::Function(function, operands) => {
                 let a = operands[0];
                 match function {

@@ -50,6 +50,7 @@ impl Graph {
                             Function::Pow => a.powf(of(operands[1], q)),
                         }
                     }
+                    Node::Named(_, o) => of(*o, q),
                     Node::PointSum(o) => {
                         let v = &values[o];
                         if v.len() == 1 { v[0] * self.points() as f64 } else { v.iter().sum() }

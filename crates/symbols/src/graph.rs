@@ -58,6 +58,8 @@ pub enum Node {
     Function(Function, Box<[Expr]>),
     /// The sum over all points of an operand that varies over them.
     PointSum(Expr),
+    /// Another node under a name ([`Graph::symbol_name`]): the same value, but sums and products do not look into it.
+    Named(u32, Expr),
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -73,6 +75,7 @@ pub struct Graph {
     facts: Vec<Facts>,
     found: HashMap<Node, Expr>,
     symbols: Vec<String>,
+    names: HashMap<Expr, Expr>,
     tables: Vec<Box<[f64]>>,
     points: usize,
 }
@@ -143,7 +146,7 @@ impl Graph {
             Node::Sum(_, terms) => terms.iter().map(|t| t.1).collect(),
             Node::Product(_, factors) => factors.iter().map(|f| f.0).collect(),
             Node::Function(_, operands) => operands.to_vec(),
-            Node::PointSum(e) => vec![*e],
+            Node::PointSum(e) | Node::Named(_, e) => vec![*e],
         }
     }
 
@@ -276,8 +279,19 @@ impl Graph {
     /// `Σ coefficient · term`, in normal form.
     ///
     /// Like terms are merged. A nested sum is opened only where that makes terms cancel, or where it is a node plus a
-    /// constant: anything else would lose the sharing of the nested sum. A factor that every term has is taken out.
+    /// constant: anything else would lose the sharing of the nested sum. A factor that every term has is taken out if
+    /// that saves a multiplication at the time at which the sum is computed.
     pub fn linear(&mut self, input: &[(Number, Expr)]) -> Expr {
+        let (scale, e) = self.scaled_linear(input, Scale::KeepWhereFree);
+        self.scale(scale, e)
+    }
+
+    /// As [`Graph::linear`], as a constant times a node, so that the caller can join the constant with others.
+    pub(crate) fn linear_with_scale(&mut self, input: &[(Number, Expr)]) -> (Number, Expr) {
+        self.scaled_linear(input, Scale::TakeOut)
+    }
+
+    fn scaled_linear(&mut self, input: &[(Number, Expr)], style: Scale) -> (Number, Expr) {
         let mut constant = Number::ZERO;
         let mut terms: Vec<(Number, Expr)> = Vec::with_capacity(input.len());
         for &(c, e) in input {
@@ -294,20 +308,20 @@ impl Graph {
             merge(&mut terms);
         }
         if terms.is_empty() {
-            return self.number(constant);
+            return (Number::ONE, self.number(constant));
         }
         if constant.is_zero() {
             if let [(c, e)] = terms[..] {
-                return self.scale(c, e);
+                return (c, e);
             }
             if let Some((common, rest)) = self.common_factors(&terms) {
-                let inner = self.linear(&rest);
+                let (scale, inner) = self.scaled_linear(&rest, style);
                 let mut factors = common;
                 factors.push((inner, 1));
-                return self.scaled_powers(Number::ONE, &factors);
+                return (scale, self.scaled_powers(Number::ONE, &factors));
             }
         }
-        self.primitive_sum(constant, terms)
+        self.primitive_sum(constant, terms, style)
     }
 
     /// Splits `e` into coefficient and node, and opens what may always be opened.
@@ -378,6 +392,18 @@ impl Graph {
                 return None;
             }
         }
+        // A factor known earlier than a term costs that term nothing if the term has another factor known as early:
+        // the two are multiplied then. Taking it out would move a multiplication to the later time.
+        common.retain(|&(f, _)| {
+            let costly = |&&(_, e): &&(Number, Expr)| {
+                let others = powers(self, e).into_iter().filter(|o| o.0 != f);
+                self.time(f) == self.time(e) || others.into_iter().all(|(o, _)| self.time(o) > self.time(f))
+            };
+            terms.iter().filter(costly).count() >= 2
+        });
+        if common.is_empty() {
+            return None;
+        }
         let inverse: Vec<(Expr, i32)> = common.iter().map(|&(f, n)| (f, -n)).collect();
         let rest = terms
             .iter()
@@ -391,16 +417,22 @@ impl Graph {
     }
 
     /// Interns a sum after taking out the scale that most terms share, so that sums that differ by a factor are one
-    /// node. The sign is kept as written unless the opposite sum exists already: then that one is used.
-    fn primitive_sum(&mut self, constant: Number, mut terms: Vec<(Number, Expr)>) -> Expr {
+    /// node; a scale that two terms or more can multiply into a factor known earlier stays inside.
+    /// The sign is kept as written unless the opposite sum exists already: then that one is used.
+    fn primitive_sum(&mut self, constant: Number, mut terms: Vec<(Number, Expr)>, style: Scale) -> (Number, Expr) {
         let magnitudes: Vec<Number> = terms.iter().map(|t| t.0.abs()).collect();
         let mut scale = magnitudes[0];
         let mut best = 0;
         for &m in &magnitudes {
             let count = magnitudes.iter().filter(|&&n| n == m).count();
-            if count > best {
+            // At equal counts: one, which costs nothing; else the larger, which what follows halves or divides.
+            let better = !scale.is_one() && (m.is_one() || m > scale);
+            if count > best || (count == best && better) {
                 (scale, best) = (m, count);
             }
+        }
+        if style == Scale::KeepWhereFree && self.absorbs_scale(&terms) {
+            scale = Number::ONE;
         }
         let inverse = scale.recip().expect("terms with coefficient zero were merged away");
         for (c, _) in &mut terms {
@@ -409,11 +441,36 @@ impl Graph {
         let constant = constant * inverse;
         let negated: Box<[(Number, Expr)]> = terms.iter().map(|&(c, e)| (-c, e)).collect();
         if let Some(&opposite) = self.found.get(&Node::Sum(-constant, negated)) {
-            return self.scale(-scale, opposite);
+            return (-scale, opposite);
         }
         let facts = self.facts_of(terms.iter().map(|t| t.1));
-        let sum = self.intern(Node::Sum(constant, terms.into()), facts);
-        self.scale(scale, sum)
+        (scale, self.intern(Node::Sum(constant, terms.into()), facts))
+    }
+
+    /// `factor · e`, multiplied into each term if `e` is a sum: for a factor that each term can join with its own.
+    pub fn multiply_through(&mut self, factor: Expr, e: Expr) -> Expr {
+        let (scale, sum) = match self.node(e) {
+            Node::Product(c, factors) if factors.len() == 1 && factors[0].1 == 1 => (*c, factors[0].0),
+            _ => (Number::ONE, e),
+        };
+        let Node::Sum(constant, terms) = self.node(sum).clone() else { return self.mul(factor, e) };
+        let mut products: Vec<(Number, Expr)> = vec![(scale * constant, factor)];
+        for &(k, t) in terms.iter() {
+            products.push((scale * k, self.mul(factor, t)));
+        }
+        self.linear(&products)
+    }
+
+    /// Whether a constant times this sum costs nothing: all terms, but at most one, have a factor known before the sum
+    /// is, which takes the constant in.
+    fn absorbs_scale(&self, terms: &[(Number, Expr)]) -> bool {
+        let time = terms.iter().map(|t| self.time(t.1)).max().unwrap_or(Time::Derive);
+        let absorbs = |e: Expr| match self.node(e) {
+            Node::Product(_, factors) => factors.iter().any(|f| self.time(f.0) < time),
+            _ => self.time(e) < time,
+        };
+        let absorbed = terms.iter().filter(|t| absorbs(t.1)).count();
+        absorbed > 0 && absorbed + 1 >= terms.len()
     }
 
     /// `c · Π factor^exponent`, in normal form. Products are always opened: what is shared inside them is found again
@@ -522,6 +579,25 @@ impl Graph {
         self.intern(Node::PointSum(e), Facts { time, varying: false })
     }
 
+    /// `e` under a name: a quantity that is worth keeping together, and worth showing to a reader.
+    ///
+    /// Sums and products do not open it, so it is computed once and its factors do not cancel with others.
+    /// Constants and leaves are returned as they are.
+    pub fn named(&mut self, name: impl Into<String>, e: Expr) -> Expr {
+        if matches!(self.node(e), Node::Constant(_) | Node::Symbol(_) | Node::Table(_) | Node::Named(..)) {
+            return e;
+        }
+        if let Some(&known) = self.names.get(&e) {
+            return known;
+        }
+        let id = u32::try_from(self.symbols.len()).expect("a graph has less than 2³² symbols");
+        self.symbols.push(name.into());
+        let facts = self.facts[e.index()];
+        let named = self.intern(Node::Named(id, e), facts);
+        self.names.insert(e, named);
+        named
+    }
+
     /// The nodes that `roots` depend on, themselves included, operands first.
     pub fn reachable(&self, roots: &[Expr]) -> Vec<Expr> {
         let mut seen = vec![false; self.len()];
@@ -558,11 +634,24 @@ impl Graph {
                     if f == Function::Pow { self.pow(operands[0], operands[1]) } else { self.function(f, &operands) }
                 }
                 Node::PointSum(o) => self.point_sum(map[&o]),
+                Node::Named(name, o) => {
+                    let name = self.symbol_name(name).to_string();
+                    self.named(name, map[&o])
+                }
             };
             map.insert(e, new);
         }
         roots.iter().map(|r| map[r]).collect()
     }
+}
+
+/// What to do with the scale that the terms of a sum share.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Scale {
+    /// Give it back apart.
+    TakeOut,
+    /// Leave it in the sum if its terms have factors of an earlier time that take it in.
+    KeepWhereFree,
 }
 
 /// Sorts terms by node and adds the coefficients of equal ones.

@@ -29,14 +29,34 @@ impl Number {
         reduced(n.into(), d.into())
     }
 
-    /// A constant from its floating-point value; values that are small dyadic fractions become exact.
+    /// A constant from its floating-point value. It becomes exact if it is the nearest value to a fraction with a
+    /// denominator below 400, or a multiple of 2⁻²⁰.
     pub fn from_f64(value: f64) -> Number {
         const SCALE: f64 = 1_048_576.0;
         let scaled = value * SCALE;
         if scaled.fract() == 0.0 && scaled.abs() < 1e15 {
             return reduced(scaled as i128, SCALE as i128);
         }
+        if value.abs() < 1e6 {
+            for denominator in 3..400 {
+                let numerator = (value * f64::from(denominator)).round();
+                if numerator / f64::from(denominator) == value {
+                    return reduced(numerator as i128, denominator.into());
+                }
+            }
+        }
         Number::Real(value)
+    }
+
+    /// The result of floating-point arithmetic: exact only where it came out as a whole or dyadic number.
+    fn rounded(value: f64) -> Number {
+        const SCALE: f64 = 1_048_576.0;
+        let scaled = value * SCALE;
+        if scaled.fract() == 0.0 && scaled.abs() < 1e15 {
+            reduced(scaled as i128, SCALE as i128)
+        } else {
+            Number::Real(value)
+        }
     }
 
     /// The nearest floating-point value.
@@ -72,7 +92,7 @@ impl Number {
         match self {
             Number::Rational(0, _) => None,
             Number::Rational(n, d) => Some(reduced(d.into(), n.into())),
-            Number::Real(x) => (x != 0.0).then(|| Number::Real(1.0 / x)),
+            Number::Real(x) => (x != 0.0).then(|| Number::rounded(1.0 / x)),
         }
     }
 
@@ -111,7 +131,7 @@ impl std::ops::Add for Number {
                     None => Number::Real(self.to_f64() + other.to_f64()),
                 }
             }
-            _ => Number::Real(self.to_f64() + other.to_f64()),
+            _ => Number::rounded(self.to_f64() + other.to_f64()),
         }
     }
 }
@@ -124,7 +144,7 @@ impl std::ops::Mul for Number {
                 reduced(i128::from(a) * i128::from(c), i128::from(b) * i128::from(d))
             }
             _ if self.is_zero() || other.is_zero() => Number::ZERO,
-            _ => Number::Real(self.to_f64() * other.to_f64()),
+            _ => Number::rounded(self.to_f64() * other.to_f64()),
         }
     }
 }
@@ -205,10 +225,11 @@ mod tests {
         assert_eq!((-Number::Rational(i64::MIN, 1)).to_f64(), 9_223_372_036_854_775_808.0);
     }
 
-    /// Dyadic floating-point values are recognised, others are kept bit for bit.
+    /// Floating-point values that stand for simple fractions are recognised, others are kept bit for bit.
     #[test]
     fn dyadic_values_are_exact() {
         assert_eq!(Number::from_f64(-0.375), Number::Rational(-3, 8));
+        assert_eq!(Number::from_f64(1.0 / 6.0), Number::Rational(1, 6));
         let root = 1.0 / 3.0_f64.sqrt();
         assert_eq!(Number::from_f64(root), Number::Real(root));
     }

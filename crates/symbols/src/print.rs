@@ -1,6 +1,6 @@
 //! Expressions as text and as LaTeX.
 //!
-//! A shared node that is worth a name gets one: [`definitions`] lists them in order, so that a printed formula has the
+//! A named node is written as its name. A shared node that is worth a name gets one: [`definitions`] lists them in order, so that a printed formula has the
 //! size of the graph and not that of its expansion.
 
 use crate::{Expr, Function, Graph, Node, Number};
@@ -34,9 +34,14 @@ pub fn definitions(g: &Graph, roots: &[(String, Expr)], style: Style) -> Vec<(St
     let mut printer = Printer { g, style, names: HashMap::new() };
     let mut lines = Vec::new();
     for &e in &order {
+        if let Node::Named(name, inner) = *g.node(e) {
+            lines.push((printer.symbol(g.symbol_name(name)), printer.print(inner, 0)));
+            continue;
+        }
         let leaf = g.operands(e).is_empty();
         let scaled = matches!(g.node(e), Node::Product(c, f) if !c.is_one() && f.len() == 1 && f[0].1 == 1);
-        if leaf || scaled || uses.get(&e).copied().unwrap_or(0) < 2 || targets.contains(&e) {
+        let named = order.iter().any(|&u| matches!(g.node(u), Node::Named(_, inner) if *inner == e));
+        if leaf || scaled || named || uses.get(&e).copied().unwrap_or(0) < 2 || targets.contains(&e) {
             continue;
         }
         let formula = printer.print(e, 0);
@@ -65,7 +70,7 @@ impl Printer<'_> {
         }
         let (text, binds) = match self.g.node(e) {
             Node::Constant(c) => (self.number(*c), if c.is_negative() { 0 } else { 1 }),
-            Node::Symbol(s) => (self.symbol(self.g.symbol_name(*s)), 2),
+            Node::Symbol(s) | Node::Named(s, _) => (self.symbol(self.g.symbol_name(*s)), 2),
             Node::Table(t) => match self.style {
                 Style::Text => (format!("table{t}"), 2),
                 Style::Latex => (format!("\\tau_{{{t}}}"), 2),

@@ -1,0 +1,116 @@
+//! What an energy may be written in: measures of the deformation at one point, and the law's parameters.
+//!
+//! The displacement gradient is always 3 × 3. In lower dimensions the missing entries are zero, so that a plane
+//! problem is one of plane strain and nothing in a law depends on the dimension.
+
+use souple_symbols::{Expr, Graph, Matrix, Number};
+
+/// The deformation at one point, and the parameters of a law.
+pub struct Kinematics<'g> {
+    /// The graph in which everything is built.
+    pub graph: &'g mut Graph,
+    /// Displacement gradient ∂u_i/∂X_j, 3 × 3.
+    pub displacement_gradient: Matrix,
+    parameters: Vec<(String, Expr)>,
+}
+
+#[expect(non_snake_case, reason = "docs/notation.md: F, C, E, J and the invariants keep their usual names")]
+impl<'g> Kinematics<'g> {
+    /// Measures of `displacement_gradient` (3 × 3) with named parameters.
+    pub fn new(graph: &'g mut Graph, displacement_gradient: Matrix, parameters: Vec<(String, Expr)>) -> Kinematics<'g> {
+        assert_eq!(displacement_gradient.dimension(), 3, "plane problems pass zeros");
+        Kinematics { graph, displacement_gradient, parameters }
+    }
+
+    /// A parameter by name.
+    ///
+    /// # Panics
+    /// When the law did not declare it.
+    pub fn parameter(&self, name: &str) -> Expr {
+        let found = self.parameters.iter().find(|p| p.0 == name);
+        found.unwrap_or_else(|| panic!("the law does not declare the parameter `{name}`")).1
+    }
+
+    /// Lamé's first constant λ = Eν/((1+ν)(1−2ν)) from `young` and `poisson`.
+    pub fn lambda(&mut self) -> Expr {
+        let (young, poisson) = (self.parameter("young"), self.parameter("poisson"));
+        let one = self.graph.int(1);
+        let stretch = self.graph.add(one, poisson);
+        let squeeze = self.graph.linear(&[(Number::ONE, one), (Number::Rational(-2, 1), poisson)]);
+        let value = self.graph.scaled_powers(Number::ONE, &[(young, 1), (poisson, 1), (stretch, -1), (squeeze, -1)]);
+        self.graph.named("lambda", value)
+    }
+
+    /// Shear modulus μ = E/(2(1+ν)) from `young` and `poisson`.
+    pub fn mu(&mut self) -> Expr {
+        let (young, poisson) = (self.parameter("young"), self.parameter("poisson"));
+        let one = self.graph.int(1);
+        let stretch = self.graph.add(one, poisson);
+        let value = self.graph.scaled_powers(Number::rational(1, 2), &[(young, 1), (stretch, -1)]);
+        self.graph.named("mu", value)
+    }
+
+    /// Deformation gradient F = I + ∇u.
+    pub fn F(&mut self) -> Matrix {
+        let identity = Matrix::identity(self.graph, 3);
+        identity.add(self.graph, &self.displacement_gradient.clone())
+    }
+
+    /// Right Cauchy–Green tensor C = FᵀF.
+    pub fn C(&mut self) -> Matrix {
+        let f = self.F();
+        f.transpose().matmul(self.graph, &f)
+    }
+
+    /// Green–Lagrange strain E = (C − I)/2.
+    pub fn E(&mut self) -> Matrix {
+        let identity = Matrix::identity(self.graph, 3);
+        let difference = self.C().sub(self.graph, &identity);
+        difference.scale(self.graph, Number::rational(1, 2))
+    }
+
+    /// Small strain ε = (∇u + ∇uᵀ)/2.
+    pub fn epsilon(&mut self) -> Matrix {
+        let h = self.displacement_gradient.clone();
+        let doubled = h.add(self.graph, &h.transpose());
+        doubled.scale(self.graph, Number::rational(1, 2))
+    }
+
+    /// Volume ratio J = det F.
+    pub fn J(&mut self) -> Expr {
+        let f = self.F();
+        f.determinant(self.graph)
+    }
+
+    /// First invariant I₁ = tr C.
+    pub fn I1(&mut self) -> Expr {
+        let c = self.C();
+        c.trace(self.graph)
+    }
+
+    /// Second invariant I₂ = ½(I₁² − tr C²).
+    pub fn I2(&mut self) -> Expr {
+        let c = self.C();
+        let trace = c.trace(self.graph);
+        let squared = self.graph.powi(trace, 2);
+        let quadratic = c.dot(self.graph, &c);
+        let half = Number::rational(1, 2);
+        self.graph.linear(&[(half, squared), (-half, quadratic)])
+    }
+
+    /// Isochoric first invariant Ī₁ = J^(−2/3) I₁.
+    pub fn I1bar(&mut self) -> Expr {
+        let (j, i1) = (self.J(), self.I1());
+        let exponent = self.graph.rational(-2, 3);
+        let scale = self.graph.pow(j, exponent);
+        self.graph.mul(scale, i1)
+    }
+
+    /// Isochoric second invariant Ī₂ = J^(−4/3) I₂.
+    pub fn I2bar(&mut self) -> Expr {
+        let (j, i2) = (self.J(), self.I2());
+        let exponent = self.graph.rational(-4, 3);
+        let scale = self.graph.pow(j, exponent);
+        self.graph.mul(scale, i2)
+    }
+}

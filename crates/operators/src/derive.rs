@@ -1,0 +1,71 @@
+//! From a definition to programs.
+
+use souple_elements::{Element, Rule};
+use souple_forms::{Definition, Loops, define};
+use souple_laws::Law;
+use souple_program::{BufferRequest, Costs, LINEARISE, OutputRequest, SETUP, Staged, stage};
+use souple_symbols::Time;
+
+/// An element with a law and a quadrature.
+#[derive(Clone, Copy, Debug)]
+pub struct Association {
+    /// The element.
+    pub element: &'static Element,
+    /// The law.
+    pub law: &'static Law,
+    /// The quadrature.
+    pub rule: &'static Rule,
+    /// Loops over points, or not.
+    pub loops: Loops,
+}
+
+/// What can be derived: name of the output and of the program that gives it.
+///
+/// Programs read the buffers `rest`, `parameters`, `density` (set-up), `displacement` (step), `direction`
+/// (application) and the carried values of earlier programs; all arrays are as in [`Definition`].
+pub const OUTPUTS: [&str; 6] = ["energy", "force", "tangent_apply", "tangent_blocks", "shape_mass", "lumped_mass"];
+
+/// Programs of an association, with the definition that they come from.
+#[derive(Clone, Debug)]
+pub struct Derived {
+    /// What was derived.
+    pub association: Association,
+    /// The expressions.
+    pub definition: Definition,
+    /// The programs: `setup` (carried values, `shape_mass`, `lumped_mass`), `energy`, `force`, `linearise` (forces and
+    /// the values carried to applications), `tangent_apply`, `tangent_apply_uncached`, `tangent_blocks`.
+    pub staged: Staged,
+}
+
+/// Derives all programs of an association.
+pub fn derive(association: Association, costs: Costs) -> Derived {
+    let Association { element, law, rule, loops } = association;
+    let d = define(element, law, rule, loops);
+    let inputs = [
+        ("rest", d.rest.clone()),
+        ("parameters", d.parameters.clone()),
+        ("density", vec![d.density]),
+        ("displacement", d.displacement.clone()),
+        ("direction", d.direction.clone()),
+    ]
+    .map(|(name, leaves)| BufferRequest { name: name.into(), leaves });
+    let output = |program: &str, time, name: &str, values: &[_], cached| OutputRequest {
+        program: program.into(),
+        time,
+        name: name.into(),
+        values: values.to_vec(),
+        cached,
+    };
+    let outputs = [
+        output(SETUP, Time::Setup, "shape_mass", &d.shape_mass, true),
+        output(SETUP, Time::Setup, "lumped_mass", &d.lumped_mass, true),
+        output("energy", Time::Step, "energy", &[d.energy], true),
+        output("force", Time::Step, "force", &d.force, true),
+        output(LINEARISE, Time::Step, "force", &d.force, true),
+        output("tangent_apply", Time::Apply, "tangent_apply", &d.tangent_apply, true),
+        output("tangent_apply_uncached", Time::Apply, "tangent_apply", &d.tangent_apply, false),
+        output("tangent_blocks", Time::Step, "tangent_blocks", &d.tangent_blocks, false),
+    ];
+    let staged = stage(&d.graph, &inputs, &outputs, costs);
+    Derived { association, definition: d, staged }
+}
