@@ -1,1 +1,16 @@
-//! See the crate's description in Cargo.toml.
+//! What a backend is, the interpreter, the oracle, and the suite that every backend must pass.
+//!
+//! A [`Backend`] compiles a verified program into a [`Kernel`], which runs it for many items at once.
+//! Items come in *groups* of [`LANES`]; buffers are arrays of structures of arrays: [group][place][lane], and
+//! [group][point][place][lane] for per-point buffers. So every operation works on [`LANES`] neighbours in memory.
+//!
+//! Backends see programs and buffers only.
+
+pub mod conformance;
+mod contract;
+mod interpreter;
+pub mod oracle;
+pub mod plan;
+
+pub use contract::{About, Backend, CompileError, Input, Kernel, LANES, Scratch};
+pub use interpreter::{Interpreter, execute};

@@ -3,12 +3,12 @@
 //! ```text
 //! program force
 //! points 8
-//! input displacement 24
+//! input x 24
 //! input setup_point_values 23 per point
 //! output force 24
 //! table 0.5 -0.5 0.5 -0.5 0.5 -0.5 0.5 -0.5
 //! straight
-//!   v0 = input displacement[0]
+//!   v0 = input x[0]
 //!   v1 = accumulator
 //! loop
 //!   v2 = input setup_point_values[3]

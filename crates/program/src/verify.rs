@@ -1,12 +1,14 @@
 //! What every program must satisfy, so that no backend ever needs to check or to panic.
 //!
 //! * Values are defined before they are read, once each, and are numbered below the declared count.
-//! * A value defined in a loop is not read after it; accumulators are made outside loops and added to inside them.
+//! * A value defined in a loop is not read after it; accumulators are made outside loops and added to inside them, and
+//!   not read in a loop that adds to them.
 //! * Buffers, places and tables exist; a table has one value per point; tables and per-point buffers are touched in
 //!   loops only (a per-point buffer of a program with one point may be touched anywhere).
 //! * Every place of every output is written exactly once; whole buffers outside loops, per-point buffers in a loop.
 
 use crate::{Op, Program, Section, Statement};
+use std::collections::HashSet;
 use thiserror::Error;
 
 /// What is wrong with a program, and where.
@@ -48,8 +50,9 @@ pub fn verify(program: &Program) -> Result<(), VerifyError> {
     }
     for (section_at, section) in program.sections.iter().enumerate() {
         let in_loop = matches!(section, Section::Loop(_));
+        let growing: HashSet<u32> = section.statements().iter().filter_map(|s| accumulated(&s.op)).collect();
         for (statement_at, s) in section.statements().iter().enumerate() {
-            check(program, s, section_at, in_loop, &mut known, &mut written).map_err(|what| VerifyError {
+            check(program, s, section_at, in_loop, &growing, &mut known, &mut written).map_err(|what| VerifyError {
                 program: program.name.clone(),
                 section: section_at,
                 statement: statement_at,
@@ -72,6 +75,7 @@ fn check(
     s: &Statement,
     section: usize,
     in_loop: bool,
+    growing: &HashSet<u32>,
     known: &mut [Known],
     written: &mut [Vec<bool>],
 ) -> Result<(), String> {
@@ -82,8 +86,8 @@ fn check(
             Some(Known::InLoop(l)) if *l != section => {
                 return Err(format!("v{} belongs to the loop of section {l}", o.0));
             }
-            Some(Known::Accumulator) if in_loop && !accumulates_into(&s.op, o.0) => {
-                return Err(format!("accumulator v{} is read inside a loop", o.0));
+            Some(Known::Accumulator) if growing.contains(&o.0) && accumulated(&s.op) != Some(o.0) => {
+                return Err(format!("accumulator v{} is read in the loop that adds to it", o.0));
             }
             Some(_) => {}
         }
@@ -104,7 +108,7 @@ fn check(
                 return Err(format!("v{} is not an accumulator", into.0));
             }
             if s.op.operands().skip(1).any(|o| o == into) {
-                return Err(format!("accumulator v{} is read inside a loop", into.0));
+                return Err(format!("accumulator v{} is read in the loop that adds to it", into.0));
             }
         }
         Op::Output { buffer, index, .. } => {
@@ -135,8 +139,14 @@ fn check(
     Ok(())
 }
 
-fn accumulates_into(op: &Op, value: u32) -> bool {
-    matches!(op, Op::Accumulate { into, .. } | Op::AccumulateProduct { into, .. } | Op::AccumulateNegProduct { into, .. } if into.0 == value)
+/// The accumulator that an operation adds to.
+fn accumulated(op: &Op) -> Option<u32> {
+    match op {
+        Op::Accumulate { into, .. } | Op::AccumulateProduct { into, .. } | Op::AccumulateNegProduct { into, .. } => {
+            Some(into.0)
+        }
+        _ => None,
+    }
 }
 
 fn place(buffer: &crate::Buffer, index: usize, in_loop: bool, points: usize) -> Result<(), String> {
