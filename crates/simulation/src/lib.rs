@@ -1,1 +1,3 @@
-//! See the crate's description in Cargo.toml.
+//! The one door for applications: from a scene to a model, from a model to states, probes and results.
+
+pub mod prepare;
