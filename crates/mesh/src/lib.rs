@@ -1,4 +1,18 @@
 //! Particles, blocks of mixed elements, regions, topology, generators, and mesh formats (bytes in, bytes out).
+//!
+//! A [`Mesh`] is plain data; everything else is a function of it:
+//!
+//! | to | use |
+//! |---|---|
+//! | generate a bar of mixed elements | [`bar::generate`] |
+//! | read and write files | [`formats`]; the first thesis' three files: [`triple`] |
+//! | know whether it is fit to compute with, and repair it | [`check::report`], [`check::repair`] |
+//! | select a part of it | [`region::select`] |
+//! | know who shares which face, its boundary, where it does not conform | [`topology::Topology`] |
+//! | turn linear elements into quadratic ones | [`with_elements`] |
+//! | number nodes and elements for locality | [`numbering`] |
+//!
+//! Elements are those of the registry of `souple-elements`, in VTK's node order; positions are in metres.
 
 pub mod bar;
 pub mod check;

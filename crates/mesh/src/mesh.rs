@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 pub struct Block {
     /// What they are.
     pub element: &'static Element,
-    /// Global node indices, [element, local node], in VTK order.
+    /// Global node indices, `[element, local node]`, in VTK order.
     pub connectivity: Vec<u32>,
 }
 
@@ -57,7 +57,7 @@ pub struct Region {
 /// A mesh of mixed elements.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
-    /// Rest positions in metres, [node][axis].
+    /// Rest positions in metres, `[node][axis]`.
     pub nodes: Vec<[f64; 3]>,
     /// Elements by kind: at most one block per kind and per dimension, in the order in which they first appeared.
     pub blocks: Vec<Block>,

@@ -14,7 +14,7 @@ use souple_elements::Element;
 #[derive(Clone, Debug)]
 pub(crate) struct CornerBlock {
     pub element: &'static Element,
-    /// Global nodes, [element, corner].
+    /// Global nodes, `[element, corner]`.
     pub corners: Vec<u32>,
 }
 
@@ -27,18 +27,25 @@ type Key = (u8, [u32; MAX_CORNERS], [i32; MAX_CORNERS]);
 fn key(support: &Support, corners: &[u32]) -> Key {
     // Weights are multiples of small fractions (1/2, 1/3, …): 2⁻²⁰ tells them apart and absorbs rounding.
     const STEPS: f64 = (1 << 20) as f64;
-    let mut at: Vec<(u32, i32)> = support
-        .corners
-        .iter()
-        .zip(&support.weights)
-        .map(|(&c, w)| (corners[c as usize], (w * STEPS).round() as i32))
-        .collect();
-    at.sort_unstable();
-    let (mut global, mut weights) = ([u32::MAX; MAX_CORNERS], [0; MAX_CORNERS]);
-    for (i, (g, w)) in at.into_iter().enumerate() {
-        (global[i], weights[i]) = (g, w);
+    let count = support.corners.len();
+    let mut at = [(u32::MAX, 0); MAX_CORNERS];
+    for (place, (&c, w)) in at.iter_mut().zip(support.corners.iter().zip(&support.weights)) {
+        *place = (corners[c as usize], (w * STEPS).round() as i32);
     }
-    (support.corners.len() as u8, global, weights)
+    at[..count].sort_unstable();
+    (count as u8, at.map(|(corner, _)| corner), at.map(|(_, weight)| weight))
+}
+
+/// One node to be made: who asks for it, sorted by what carries it.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Request {
+    /// Number of carrying corners.
+    carriers: u8,
+    /// The lowest of them: requests for the same node agree on it.
+    lowest: u32,
+    block: u32,
+    element: u32,
+    support: u32,
 }
 
 /// Appends the missing nodes to `nodes` and returns the full blocks, in the same order.
@@ -46,43 +53,57 @@ fn key(support: &Support, corners: &[u32]) -> Key {
 /// `nodes` holds the corner positions; blocks whose elements have no other nodes pass through unchanged.
 pub(crate) fn complete(nodes: &mut Vec<[f64; 3]>, blocks: Vec<CornerBlock>) -> Vec<Block> {
     let carriers: Vec<Vec<Support>> = blocks.iter().map(|b| supports(b.element)).collect();
-    let mut places: Vec<(Key, [f64; 3])> = Vec::new();
-    for (block, supports) in blocks.iter().zip(&carriers) {
-        for corners in block.corners.chunks_exact(block.element.family.corner_count()) {
-            for support in supports {
-                let mut position = [0.0; 3];
-                for (&c, w) in support.corners.iter().zip(&support.weights) {
-                    let corner = nodes[corners[c as usize] as usize];
-                    position = std::array::from_fn(|a| position[a] + w * corner[a]);
-                }
-                places.push((key(support, corners), position));
+    let mut requests: Vec<Request> = Vec::new();
+    let mut full: Vec<Block> = Vec::with_capacity(blocks.len());
+    for (block, (b, supports)) in (0u32..).zip(blocks.iter().zip(&carriers)) {
+        let mut connectivity =
+            Vec::with_capacity(b.corners.len() / b.element.family.corner_count() * b.element.node_count());
+        for (element, corners) in (0u32..).zip(b.corners.chunks_exact(b.element.family.corner_count())) {
+            connectivity.extend_from_slice(corners);
+            for (s, support) in (0u32..).zip(supports) {
+                let lowest = support.corners.iter().map(|&c| corners[c as usize]).min().unwrap_or(0);
+                requests.push(Request { carriers: support.corners.len() as u8, lowest, block, element, support: s });
+                connectivity.push(u32::MAX);
+            }
+        }
+        full.push(Block { element: b.element, connectivity });
+    }
+    // Sorting the short requests first leaves only small groups to be told apart by the long keys.
+    requests.sort_unstable();
+    let mut keyed: Vec<(Key, &Request)> = Vec::new();
+    for group in requests.chunk_by(|a, b| (a.carriers, a.lowest) == (b.carriers, b.lowest)) {
+        keyed.clear();
+        keyed.extend(group.iter().map(|r| (key(carrier(&carriers, r), corners_of(&blocks, r)), r)));
+        // The first request of each key makes the node, so its position does not depend on rounding.
+        keyed.sort_unstable();
+        for same in keyed.chunk_by(|a, b| a.0 == b.0) {
+            let (first, node) = (same[0].1, nodes.len() as u32);
+            let (support, corners) = (carrier(&carriers, first), corners_of(&blocks, first));
+            let mut position = [0.0; 3];
+            for (&c, w) in support.corners.iter().zip(&support.weights) {
+                let corner = nodes[corners[c as usize] as usize];
+                position = std::array::from_fn(|a| position[a] + w * corner[a]);
+            }
+            nodes.push(position);
+            for (_, r) in same {
+                let element = full[r.block as usize].element;
+                let slot =
+                    r.element as usize * element.node_count() + element.family.corner_count() + r.support as usize;
+                full[r.block as usize].connectivity[slot] = node;
             }
         }
     }
-    // A stable sort keeps the position that the first element computed, so the result does not depend on rounding.
-    places.sort_by_key(|place| place.0);
-    places.dedup_by_key(|place| place.0);
-    let first_new = nodes.len() as u32;
-    nodes.extend(places.iter().map(|place| place.1));
-
-    let mut full = Vec::with_capacity(blocks.len());
-    for (block, supports) in blocks.into_iter().zip(&carriers) {
-        if supports.is_empty() {
-            full.push(Block { element: block.element, connectivity: block.corners });
-            continue;
-        }
-        let mut connectivity = Vec::new();
-        for corners in block.corners.chunks_exact(block.element.family.corner_count()) {
-            connectivity.extend_from_slice(corners);
-            connectivity.extend(supports.iter().map(|support| {
-                let wanted = key(support, corners);
-                let at = places.binary_search_by_key(&wanted, |place| place.0);
-                first_new + at.expect("the first pass made this key") as u32
-            }));
-        }
-        full.push(Block { element: block.element, connectivity });
-    }
     full
+}
+
+fn carrier<'a>(carriers: &'a [Vec<Support>], r: &Request) -> &'a Support {
+    &carriers[r.block as usize][r.support as usize]
+}
+
+fn corners_of<'a>(blocks: &'a [CornerBlock], r: &Request) -> &'a [u32] {
+    let block = &blocks[r.block as usize];
+    let n = block.element.family.corner_count();
+    &block.corners[r.element as usize * n..(r.element as usize + 1) * n]
 }
 
 /// A replacement of one element by one of another family was asked for.
@@ -104,7 +125,7 @@ pub struct FamilyMismatch {
 /// The same mesh with other elements of the same families, chosen by `choose` from each present one; nodes that are
 /// not corners are dropped and made anew on straight sides.
 ///
-/// This is how a linear mesh becomes a quadratic one, and back. Corners keep their order and come first. Regions keep
+/// For meshes that pass [`crate::check::validate`]. This is how a linear mesh becomes a quadratic one, and back. Corners keep their order and come first. Regions keep
 /// their elements and corner nodes, and gain each new node all of whose carrying corners they hold.
 pub fn with_elements(
     mesh: &Mesh,

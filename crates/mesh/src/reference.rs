@@ -7,7 +7,7 @@
 
 use souple_elements::{Element, Family, Side, by_id};
 
-/// Weights of the corners at a reference point: the point is Σ wᵢ · cornerᵢ and Σ wᵢ = 1, [corner].
+/// Weights of the corners at a reference point: the point is Σ wᵢ · cornerᵢ and Σ wᵢ = 1, `[corner]`.
 ///
 /// These are the affine weights of simplices, the multilinear ones of cubes, and the rational ones of the pyramid,
 /// `wᵢ = ((1 − ζ) + ξᵢ ξ)((1 − ζ) + ηᵢ η) / (4 (1 − ζ))`, whose limit at the apex is the apex itself.
@@ -112,7 +112,7 @@ pub(crate) fn corner_frames(element: &Element) -> Vec<Option<Vec<u8>>> {
         .collect()
 }
 
-/// Vectors from one corner to others, [vector][axis].
+/// Vectors from one corner to others, `[vector][axis]`.
 pub(crate) fn edge_vectors(points: &[[f64; 3]], corner: u8, far: &[u8]) -> Vec<[f64; 3]> {
     far.iter().map(|&f| crate::geometry::minus(points[f as usize], points[corner as usize])).collect()
 }
@@ -125,7 +125,7 @@ fn determinant(v: &[[f64; 3]], dimension: usize) -> f64 {
 }
 
 /// Corners of the shape that has quality 1: equilateral simplices, the cube, the prism on an equilateral triangle with
-/// square sides, the pyramid with a square base and equilateral sides. Unit edges throughout, [corner][axis].
+/// square sides, the pyramid with a square base and equilateral sides. Unit edges throughout, `[corner][axis]`.
 pub(crate) fn ideal_corners(family: Family) -> Vec<[f64; 3]> {
     let h = 3f64.sqrt() / 2.0;
     let triangle = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, h, 0.0]];

@@ -9,11 +9,11 @@ use souple_elements::{Element, Family};
 /// `cells[2]` are not looked at; in 1D the same holds for y.
 #[derive(Clone, Debug)]
 pub struct BarSpec {
-    /// Lengths in metres, [axis]. Positive.
+    /// Lengths in metres, `[axis]`. Positive.
     pub size: [f64; 3],
-    /// Number of cells, [axis]. At least 1.
+    /// Number of cells, `[axis]`. At least 1.
     pub cells: [usize; 3],
-    /// Lower corner in metres, [axis].
+    /// Lower corner in metres, `[axis]`.
     pub origin: [f64; 3],
     /// The sections in order of x.
     pub sections: Vec<Section>,
@@ -288,14 +288,14 @@ pub enum BarError {
 #[derive(Clone, Debug)]
 pub(super) struct Layout {
     pub dimension: usize,
-    /// Number of cells, [axis]; 1 along the axes that the dimension lacks.
+    /// Number of cells, `[axis]`; 1 along the axes that the dimension lacks.
     pub cells: [usize; 3],
-    /// Plane of x where each section begins, and the last plane, [section + 1].
+    /// Plane of x where each section begins, and the last plane, `[section + 1]`.
     pub planes: Vec<usize>,
 }
 
 impl Layout {
-    /// Number of grid points, [axis].
+    /// Number of grid points, `[axis]`.
     pub(super) fn points(&self) -> [usize; 3] {
         std::array::from_fn(|a| if a < self.dimension { self.cells[a] + 1 } else { 1 })
     }

@@ -1,7 +1,7 @@
 //! Is this mesh fit to compute with? A report for a person, and repairs of what has one obvious cure.
 //!
 //! Orientation is judged by the determinant of the edge vectors at each corner, which is det J there for linear
-//! elements: all positive is good, all negative is inverted (its nodes are listed the other way round, [`repair`]
+//! elements: all positive is good, all negative is inverted (its nodes are listed the other way round, [`repair()`]
 //! mirrors it), both signs is tangled (no order of nodes helps). Elements with more nodes than corners are judged by
 //! det J at their corners and quadrature points as well: a mid-side node that strays folds the element.
 //! On surfaces in space orientation is relative: an element is compared with its own mean normal.
@@ -173,13 +173,14 @@ pub fn report(mesh: &Mesh) -> Result<MeshReport, MeshError> {
     let flat = is_flat(mesh);
     let (mut inverted, mut tangled, mut degenerate, mut slivers) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let (mut sum, mut count, mut least): (f64, usize, Option<(f64, ElementId)>) = (0.0, 0, None);
-    let mut measure = 0.0;
+    let (mut measure, mut points) = (Sum::default(), Vec::new());
     for (block, b) in mesh.blocks.iter().enumerate() {
         let judge = Judge::new(b.element, flat);
         let meter = measure::Meter::new(b.element, flat);
         for index in 0..b.len() {
             let id = ElementId { block: block as u32, index: index as u32 };
-            let points: Vec<[f64; 3]> = b.nodes(index).iter().map(|&n| mesh.nodes[n as usize]).collect();
+            points.clear();
+            points.extend(b.nodes(index).iter().map(|&n| mesh.nodes[n as usize]));
             let judgement = judge.judge(&points);
             match judgement.orientation {
                 jacobian::Orientation::Inverted => inverted.push(id),
@@ -189,7 +190,7 @@ pub fn report(mesh: &Mesh) -> Result<MeshReport, MeshError> {
                 jacobian::Orientation::Good => {}
             }
             if b.element.dimension() == dimension {
-                measure += meter.measure(&points);
+                measure.add(meter.measure(&points));
                 sum += judgement.quality;
                 count += 1;
                 if least.is_none_or(|(quality, _)| judgement.quality < quality) {
@@ -206,7 +207,7 @@ pub fn report(mesh: &Mesh) -> Result<MeshReport, MeshError> {
         kinds: mesh.blocks.iter().map(|b| (b.element.id, b.len())).collect(),
         dimension,
         bounds,
-        measure,
+        measure: measure.value(),
         inverted,
         tangled,
         degenerate,
@@ -216,6 +217,26 @@ pub fn report(mesh: &Mesh) -> Result<MeshReport, MeshError> {
         duplicates,
         unit: guess_unit(bounds),
     })
+}
+
+/// A sum that keeps the digits that plain addition drops (Neumaier): a million volumes add up to the body's to the
+/// last digits.
+#[derive(Default)]
+struct Sum {
+    sum: f64,
+    lost: f64,
+}
+
+impl Sum {
+    fn add(&mut self, x: f64) {
+        let sum = self.sum + x;
+        self.lost += if self.sum.abs() >= x.abs() { (self.sum - sum) + x } else { (x - sum) + self.sum };
+        self.sum = sum;
+    }
+
+    fn value(&self) -> f64 {
+        self.sum + self.lost
+    }
 }
 
 /// Whether the mesh is a flat one in a plane of constant z, where "inverted" has a meaning for surfaces.

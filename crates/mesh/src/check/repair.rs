@@ -45,8 +45,10 @@ pub fn repair(mesh: &mut Mesh, merge: Merge) -> Result<RepairReport, MeshError> 
     for block in &mut mesh.blocks {
         let Some(order) = mirror(block.element) else { continue };
         let judge = Judge::new(block.element, flat);
+        let mut points: Vec<[f64; 3]> = Vec::with_capacity(order.len());
         for nodes in block.connectivity.chunks_exact_mut(order.len()) {
-            let points: Vec<[f64; 3]> = nodes.iter().map(|&n| mesh.nodes[n as usize]).collect();
+            points.clear();
+            points.extend(nodes.iter().map(|&n| mesh.nodes[n as usize]));
             if judge.judge(&points).orientation == Orientation::Inverted {
                 let old = nodes.to_vec();
                 nodes.iter_mut().zip(&order).for_each(|(node, &from)| *node = old[from as usize]);

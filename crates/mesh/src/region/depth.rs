@@ -8,6 +8,8 @@ use crate::geometry::{BoundingBox, cross, dot, minus, norm, plus, scaled};
 use crate::mesh::Mesh;
 
 const LEAF: usize = 4;
+/// Halving a number of primitives that fits in memory ends before this.
+const DEEPEST: usize = 64;
 
 /// The distance of points to a surface.
 #[derive(Clone, Debug)]
@@ -61,17 +63,19 @@ impl SurfaceDistance {
 
     /// Whether the distance is at most `depth`.
     pub fn within(&self, point: [f64; 3], depth: f64) -> bool {
-        self.search(point, f64::INFINITY, depth) <= depth
+        self.search(point, depth.next_up(), depth) <= depth
     }
 
-    /// The distance, or any value found that is at most `enough`.
-    fn search(&self, point: [f64; 3], mut best: f64, enough: f64) -> f64 {
-        let mut open: Vec<usize> = if self.tree.is_empty() { Vec::new() } else { vec![0] };
-        while let Some(at) = open.pop() {
+    /// The distance, or any value found that is at most `enough`; `limit` when nothing is nearer than that.
+    fn search(&self, point: [f64; 3], limit: f64, enough: f64) -> f64 {
+        // Each level of the tree leaves at most one branch open beside the one descended into.
+        let mut open = [0; DEEPEST + 1];
+        let mut waiting = usize::from(!self.tree.is_empty());
+        let mut best = limit;
+        while waiting > 0 && best > enough {
+            waiting -= 1;
+            let at = open[waiting];
             let branch = &self.tree[at];
-            if best <= enough {
-                break;
-            }
             if distance_to_box(point, &branch.bounds) >= best {
                 continue;
             }
@@ -82,9 +86,10 @@ impl SurfaceDistance {
                 continue;
             }
             let (a, b) = (at + 1, branch.second);
-            let nearer_first =
-                distance_to_box(point, &self.tree[a].bounds) <= distance_to_box(point, &self.tree[b].bounds);
-            open.extend(if nearer_first { [b, a] } else { [a, b] });
+            let [to_a, to_b] = [a, b].map(|child| distance_to_box(point, &self.tree[child].bounds));
+            let (near, far) = if to_a <= to_b { (a, b) } else { (b, a) };
+            open[waiting..waiting + 2].copy_from_slice(&[far, near]);
+            waiting += 2;
         }
         best
     }

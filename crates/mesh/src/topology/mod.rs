@@ -88,18 +88,18 @@ pub struct Topology {
     pub dimension: usize,
     /// The elements by kind.
     pub runs: Vec<Run>,
-    /// Where an element's faces begin in `mate`, [element + 1].
+    /// Where an element's faces begin in `mate`, `[element + 1]`.
     pub face_start: Vec<u32>,
-    /// Where an element's corners begin in `corner_material` and `corner_node`, [element + 1].
+    /// Where an element's corners begin in `corner_material` and `corner_node`, `[element + 1]`.
     pub corner_start: Vec<u32>,
     /// The mesh's node at each corner; fixed for ever.
     pub corner_material: Vec<u32>,
     /// The node (orbit) of each corner. Up to the number of the mesh's nodes, the first orbit over a material node
     /// has its number; further ones follow.
     pub corner_node: Vec<u32>,
-    /// The material node of each node, [node].
+    /// The material node of each node, `[node]`.
     pub node_material: Vec<u32>,
-    /// The face on the other side, or none; symmetric. [face]
+    /// The face on the other side, or none; symmetric. `[face]`
     pub mate: Vec<FaceId>,
     /// Faces with the same corners as two or more others, each list sorted; they stay without mate and do not count
     /// as boundary.

@@ -13,7 +13,7 @@ pub struct Surface {
     pub mesh: Mesh,
     /// The parent's node of each node.
     pub parent: Vec<u32>,
-    /// The face that each element was, [block][element].
+    /// The face that each element was, `[block][element]`.
     pub owners: Vec<Vec<FaceId>>,
 }
 
