@@ -275,6 +275,15 @@ fn bad_matrices_are_refused() {
     }
 }
 
+/// The method that needs a positive definite matrix says so of one that is not.
+#[cfg(feature = "direct")]
+#[test]
+fn indefinite_matrices_are_refused_by_cholesky() {
+    let matrix = Csr::from_rows(&[vec![(0, 1.0), (1, 2.0)], vec![(0, 2.0), (1, 1.0)]]);
+    let mut solver = souple_solver::SupernodalCholesky::analyse(&matrix).expect("memory suffices");
+    assert!(matches!(solver.factor(&matrix), Err(DirectError::NotPositiveDefinite { .. })));
+}
+
 proptest! {
     /// The number of negative pivots is the number of negative eigenvalues: A = L D Lᵀ with a chosen D, any signs.
     #[test]

@@ -149,10 +149,40 @@ fn moved_unknowns_keep_the_order() {
         let reference = if method.is_explicit() { Method::Rk4 } else { Method::ImplicitMidpoint };
         let exact =
             run(&mut chain, &start, 1.0, if method.is_explicit() { 2000 } else { 12_000 }, reference, &newton());
-        let order = observed_order(&mut chain, &start, &exact, 1.0, 60, method, &newton());
         let expected = method.order() as f64;
-        assert!((order - expected).abs() < 0.2, "{} has order {order} instead of {expected}", method.name());
+        for options in [StepOptions::default(), newton()] {
+            let order = observed_order(&mut chain, &start, &exact, 1.0, 60, method, &options);
+            assert!(
+                (order - expected).abs() < 0.2,
+                "{} with at most {} Newton iterations has order {order} instead of {expected}",
+                method.name(),
+                options.newton_iterations
+            );
+        }
     }
+}
+
+/// Starting each linear solve from the last acceleration saves iterations while the motion is smooth.
+#[test]
+fn warm_starts_save_iterations() {
+    let iterations = |warm_start: WarmStart| {
+        let mut chain = Chain::new(40);
+        chain.stiffness = 100.0;
+        chain.options.relative_tolerance = 1e-4;
+        chain.mass = (0..40).map(|i| 1.0 + 0.5 * (i as f64 * 0.37).sin()).collect();
+        chain.mass_damping = 0.2;
+        let shape = |i: usize| (i as f64 * 0.0766).sin() + 0.4 * (i as f64 * 0.1532).sin();
+        let mut state = State { u: (1..=40).map(shape).collect(), ..State::at_rest(40) };
+        let options = StepOptions { warm_start, ..StepOptions::default() };
+        let mut workspace = StepWorkspace::new(40, Method::ImplicitEuler);
+        (0..50)
+            .map(|_| {
+                step(&mut chain, &mut state, 0.05, Method::ImplicitEuler, &options, &mut workspace).linear_iterations
+            })
+            .sum::<usize>()
+    };
+    let (cold, warm) = (iterations(WarmStart::Zero), iterations(WarmStart::Previous));
+    assert!(10 * warm < 9 * cold, "{warm} iterations warm, {cold} cold");
 }
 
 /// The energy of symplectic Euler oscillates but does not drift over ten thousand steps, while explicit Euler blows up.
