@@ -43,6 +43,8 @@ pub struct Definition {
     pub tangent_apply: Vec<Expr>,
     /// Blocks −∂f_a/∂u_b in N/m for a ≤ b: [pair (a, b) in rows of the upper triangle, row axis, column axis].
     pub tangent_blocks: Vec<Expr>,
+    /// Volume ratio J = det(I + H) at the quadrature points: one expression that varies over them, or one per point.
+    pub volume_ratio: Vec<Expr>,
     /// ∫ρ N_a in kg, [node]: the load of a unit acceleration.
     pub shape_mass: Vec<Expr>,
     /// Lumped masses in kg, [node], positive and summing to the element's mass.
@@ -109,6 +111,9 @@ pub fn define(element: &Element, law: &Law, rule: &Rule, loops: Loops) -> Defini
     let mut squares: Vec<Vec<Expr>> = Vec::new();
     let mut blocks: Vec<Vec<Expr>> = Vec::new();
     let mut volumes = Vec::new();
+    let mut volume_ratio = Vec::new();
+    let identity = Matrix::identity(g, 3);
+    let ratio = identity.add(g, &displacement_gradient).determinant(g);
     for point in &points {
         // Position gradient ∂X_i/∂ξ_k.
         let jacobian = interpolate_gradient(g, &rest, &point.slopes, d, constant_sum);
@@ -126,8 +131,9 @@ pub fn define(element: &Element, law: &Law, rule: &Rule, loops: Loops) -> Defini
         let volume = g.named("dV", volume);
         let replaced: Vec<(Expr, Expr)> =
             variables.iter().copied().zip(plane.entries.iter().flatten().copied()).collect();
-        let here = g.substitute(&[energy_density], &replaced)[0];
-        energies.push(g.multiply_through(volume, here));
+        let here = g.substitute(&[energy_density, ratio], &replaced);
+        volume_ratio.push(here[1]);
+        energies.push(g.multiply_through(volume, here[0]));
         let mass: Vec<Expr> = point.shape.iter().map(|&s| g.product(&[volume, density, s])).collect();
         squares.push(mass.iter().zip(&point.shape).map(|(&m, &s)| g.mul(m, s)).collect());
         masses.push(mass);
@@ -172,6 +178,7 @@ pub fn define(element: &Element, law: &Law, rule: &Rule, loops: Loops) -> Defini
         force,
         tangent_apply,
         tangent_blocks,
+        volume_ratio,
         shape_mass,
         lumped_mass,
         displacement_gradient,

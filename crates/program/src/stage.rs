@@ -23,7 +23,7 @@ pub struct OutputRequest {
     pub time: Time,
     /// Name of the buffer.
     pub name: String,
-    /// The values, none of which varies over points.
+    /// The values: if one varies over the points, the buffer is per point.
     pub values: Vec<Expr>,
     /// Whether it has a say in what is carried, and an application may read what the step carried; if not, the program
     /// takes what it finds and computes the rest from the leaves.
@@ -128,7 +128,8 @@ pub fn stage(g: &Graph, inputs: &[BufferRequest], outputs: &[OutputRequest], cos
         let mut buffers: Vec<Buffer> = Vec::new();
         let mut targets: Vec<(Ref, Target)> = Vec::new();
         for &k in &own {
-            write(&mut buffers, &mut targets, &outputs[k].name, &outputs_refs[k], false);
+            let per_point = outputs_refs[k].iter().any(|&r| dag.node(r).varying);
+            write(&mut buffers, &mut targets, &outputs[k].name, &outputs_refs[k], per_point);
         }
         if name == SETUP {
             setup.write(&mut buffers, &mut targets);

@@ -1,0 +1,586 @@
+//! All elements of a model as one operator on nodal vectors.
+//!
+//! Vectors are flat, [node, axis], with as many axes as the elements have dimensions.
+//! Each block writes the contributions of its elements into its own array, in lane order; then each node sums the
+//! contributions of its elements in a fixed order (the first thesis' partial and total influence). So the result is the
+//! same to the last bit for any number of threads.
+
+use crate::derive::{Association, Derived, derive};
+use crate::{BlockSpec, Threads};
+use souple_forms::Loops;
+use souple_kernels::{Backend, CompileError, Input, Kernel, LANES, Scratch};
+use souple_program::Costs;
+use souple_solver::BlockCsr;
+use std::sync::Arc;
+
+/// Groups that one task runs through: enough to forget the cost of starting it.
+const TASK: usize = 64;
+
+/// Everything that the elements of a model compute.
+pub struct Elements {
+    dimension: usize,
+    node_count: usize,
+    blocks: Vec<Block>,
+    /// Contributions per node: `places[starts[n]..starts[n + 1]]` are (block, first place) pairs.
+    starts: Vec<usize>,
+    places: Vec<(u32, u32)>,
+    threads: Arc<Threads>,
+    scratch: Vec<Scratch>,
+}
+
+struct Block {
+    spec: BlockSpec,
+    derived: Arc<Derived>,
+    groups: usize,
+    /// Rest positions of all nodes, [node, axis].
+    rest: Arc<Vec<f64>>,
+    /// Node of each lane, [group][node][lane]; lanes beyond the last element repeat it.
+    rows: Vec<u32>,
+    kernels: Kernels,
+    /// Values carried from the set-up, once and per point.
+    setup: [Vec<f64>; 2],
+    /// Values carried from the linearisation, likewise.
+    step: [Vec<f64>; 2],
+    /// Contributions to nodal vectors, [group][node, axis][lane].
+    partial: Vec<f64>,
+    /// Tangent blocks of one task's groups at a time.
+    tangent: Vec<f64>,
+    /// Energy or other outputs per element, [group][place][lane].
+    small: Vec<f64>,
+}
+
+struct Kernels {
+    energy: Arc<dyn Kernel>,
+    force: Arc<dyn Kernel>,
+    linearise: Option<Arc<dyn Kernel>>,
+    tangent_apply: Arc<dyn Kernel>,
+    tangent_blocks: Arc<dyn Kernel>,
+    volume_ratio: Arc<dyn Kernel>,
+}
+
+/// Masses that the elements give to the nodes.
+#[derive(Clone, Debug)]
+pub struct Masses {
+    /// ∫ρN in kg, [node]: the consistent load of a unit acceleration.
+    pub shape: Vec<f64>,
+    /// Lumped masses in kg, [node].
+    pub lumped: Vec<f64>,
+}
+
+/// Places of the tangent blocks in a block matrix: for each block, [element][pair] of the upper triangle with its
+/// transpose.
+pub struct AssemblyMap {
+    slots: Vec<Vec<[u32; 2]>>,
+}
+
+impl Elements {
+    /// Derives, compiles and sets up all blocks.
+    ///
+    /// # Errors
+    /// When the backend refuses a program.
+    ///
+    /// # Panics
+    /// When blocks have different dimensions or a node index is out of range: the caller has checked the mesh.
+    pub fn new(
+        nodes: &[[f64; 3]],
+        specs: Vec<BlockSpec>,
+        backend: &dyn Backend,
+        threads: Arc<Threads>,
+        costs: Costs,
+    ) -> Result<(Elements, Masses), CompileError> {
+        let dimension = specs.first().map_or(3, |s| s.element.dimension());
+        let rest: Arc<Vec<f64>> = Arc::new(nodes.iter().flat_map(|n| n[..dimension].iter().copied()).collect());
+        let mut families: Vec<(Association, Arc<Derived>)> = Vec::new();
+        let mut blocks = Vec::new();
+        let mut masses = Masses { shape: vec![0.0; nodes.len()], lumped: vec![0.0; nodes.len()] };
+        for spec in specs.into_iter().filter(|s| !s.is_empty()) {
+            assert_eq!(spec.element.dimension(), dimension, "all elements of a model have one dimension");
+            let association =
+                Association { element: spec.element, law: spec.law, rule: spec.rule, loops: Loops::Rolled };
+            let same =
+                |a: &Association| (a.element.id, a.law.id, a.rule.id) == (spec.element.id, spec.law.id, spec.rule.id);
+            let derived = match families.iter().find(|f| same(&f.0)) {
+                Some(known) => known.1.clone(),
+                None => {
+                    let derived = Arc::new(derive(association, costs));
+                    families.push((association, derived.clone()));
+                    derived
+                }
+            };
+            blocks.push(Block::new(spec, derived, backend, &rest, dimension, &mut masses)?);
+        }
+        let (starts, places) = contributions(&blocks, nodes.len(), dimension);
+        let elements =
+            Elements { dimension, node_count: nodes.len(), blocks, starts, places, threads, scratch: Vec::new() };
+        Ok((elements, masses))
+    }
+
+    /// Number of axes per node.
+    pub fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    /// Length of nodal vectors.
+    pub fn len(&self) -> usize {
+        self.dimension * self.node_count
+    }
+
+    /// Whether there is nothing to compute.
+    pub fn is_empty(&self) -> bool {
+        self.blocks.is_empty()
+    }
+
+    /// What the blocks are made of, with the programs derived for them.
+    pub fn blocks(&self) -> impl Iterator<Item = (&BlockSpec, &Derived)> {
+        self.blocks.iter().map(|b| (&b.spec, &*b.derived))
+    }
+
+    /// Total energy in J at displacement `u`.
+    pub fn energy(&mut self, u: &[f64]) -> f64 {
+        let mut total = 0.0;
+        for block in &mut self.blocks {
+            let kernel = block.kernels.energy.clone();
+            block.run(&kernel, Some(u), None, Destination::Small, &self.threads, &mut self.scratch);
+            for (e, energy) in block.small.iter().enumerate() {
+                if e < block.spec.len() {
+                    total += energy;
+                }
+            }
+        }
+        total
+    }
+
+    /// `out += f(u)`, internal forces in N.
+    pub fn add_force(&mut self, u: &[f64], out: &mut [f64]) {
+        for block in &mut self.blocks {
+            let kernel = block.kernels.force.clone();
+            block.run(&kernel, Some(u), None, Destination::Partial, &self.threads, &mut self.scratch);
+        }
+        self.collect(1.0, out);
+    }
+
+    /// Prepares [`Elements::add_tangent`] at `u`.
+    pub fn linearise(&mut self, u: &[f64]) {
+        for block in &mut self.blocks {
+            if let Some(kernel) = block.kernels.linearise.clone() {
+                block.run(&kernel, Some(u), None, Destination::Step, &self.threads, &mut self.scratch);
+            }
+        }
+    }
+
+    /// `out += scale · (∂f/∂u) v` at the linearised state.
+    pub fn add_tangent(&mut self, scale: f64, v: &[f64], out: &mut [f64]) {
+        for block in &mut self.blocks {
+            let kernel = block.kernels.tangent_apply.clone();
+            block.run(&kernel, None, Some(v), Destination::Partial, &self.threads, &mut self.scratch);
+        }
+        self.collect(scale, out);
+    }
+
+    /// An empty stiffness matrix with the pattern of the elements, and the places of their blocks in it.
+    pub fn pattern(&self) -> (BlockCsr, AssemblyMap) {
+        let mut rows: Vec<Vec<u32>> = (0..self.node_count as u32).map(|n| vec![n]).collect();
+        for block in &self.blocks {
+            let n = block.spec.element.node_count();
+            for nodes in block.spec.connectivity.chunks(n) {
+                for &a in nodes {
+                    rows[a as usize].extend_from_slice(nodes);
+                }
+            }
+        }
+        for row in &mut rows {
+            row.sort_unstable();
+            row.dedup();
+        }
+        let matrix = BlockCsr::from_pattern(self.dimension, &rows).expect("rows are sorted, unique and in range");
+        let slot = |a: u32, b: u32| matrix.slot(a as usize, b as usize).expect("the pattern holds every pair") as u32;
+        let slots = self
+            .blocks
+            .iter()
+            .map(|block| {
+                let n = block.spec.element.node_count();
+                let mut slots = Vec::with_capacity(block.spec.len() * n * (n + 1) / 2);
+                for nodes in block.spec.connectivity.chunks(n) {
+                    for (k, &a) in nodes.iter().enumerate() {
+                        slots.extend(nodes[k..].iter().map(|&b| [slot(a, b), slot(b, a)]));
+                    }
+                }
+                slots
+            })
+            .collect();
+        (matrix, AssemblyMap { slots })
+    }
+
+    /// Overwrites `matrix` by K = −∂f/∂u at `u`.
+    pub fn assemble(&mut self, u: &[f64], map: &AssemblyMap, matrix: &mut BlockCsr) {
+        matrix.clear();
+        let size = self.dimension * self.dimension;
+        for (block, slots) in self.blocks.iter_mut().zip(&map.slots) {
+            let n = block.spec.element.node_count();
+            let pairs = n * (n + 1) / 2;
+            // As many groups at once as every thread can take a task of.
+            let wave = TASK * self.threads.count();
+            let mut first = 0;
+            while first < block.groups {
+                let count = wave.min(block.groups - first);
+                block.run_tangent(u, first, count, &self.threads, &mut self.scratch);
+                for group in 0..count {
+                    for lane in 0..LANES {
+                        let element = (first + group) * LANES + lane;
+                        if element >= block.spec.len() {
+                            break;
+                        }
+                        let slots = &slots[element * pairs..(element + 1) * pairs];
+                        let at = group * pairs * size * LANES + lane;
+                        scatter(matrix, slots, &block.tangent[at..], self.dimension, n);
+                    }
+                }
+                first += count;
+            }
+        }
+    }
+
+    /// Elements whose volume ratio J at some quadrature point is at most `limit` or not a number, with the worst ratio,
+    /// worst first.
+    pub fn crushed(&mut self, u: &[f64], limit: f64) -> Vec<(u32, f64)> {
+        let mut found = Vec::new();
+        for block in &mut self.blocks {
+            let kernel = block.kernels.volume_ratio.clone();
+            block.run(&kernel, Some(u), None, Destination::Small, &self.threads, &mut self.scratch);
+            let program = kernel.program();
+            let rows = program.outputs[0].total(program.points);
+            for (element, &id) in block.spec.ids.iter().enumerate() {
+                let (group, lane) = (element / LANES, element % LANES);
+                let ratios = (0..rows).map(|r| block.small[(group * rows + r) * LANES + lane]);
+                // `min` of the standard library skips NaN, which is what must not be skipped here.
+                let worst = ratios.fold(f64::INFINITY, |w, j| if j.is_nan() || j < w { j } else { w });
+                if worst.is_nan() || worst <= limit {
+                    found.push((id, worst));
+                }
+            }
+        }
+        found.sort_by(|a, b| b.1.is_nan().cmp(&a.1.is_nan()).then(a.1.total_cmp(&b.1)).then(a.0.cmp(&b.0)));
+        found
+    }
+
+    /// Each node sums the contributions of its elements, in the order of the blocks.
+    fn collect(&mut self, scale: f64, out: &mut [f64]) {
+        let d = self.dimension;
+        let (starts, places, blocks) = (&self.starts, &self.places, &self.blocks);
+        let per_task = self.node_count.div_ceil(4 * self.threads.count()).max(512);
+        let mut tasks: Vec<(usize, &mut [f64])> = out.chunks_mut(per_task * d).enumerate().collect();
+        self.threads.run(&mut tasks, |(task, out)| {
+            for (k, node) in out.chunks_mut(d).enumerate() {
+                let n = *task * per_task + k;
+                let mut sum = [0.0; 3];
+                for &(block, place) in &places[starts[n]..starts[n + 1]] {
+                    let partial = &blocks[block as usize].partial[place as usize..];
+                    for (axis, s) in sum[..d].iter_mut().enumerate() {
+                        *s += partial[axis * LANES];
+                    }
+                }
+                for (o, s) in node.iter_mut().zip(sum) {
+                    *o += scale * s;
+                }
+            }
+        });
+    }
+}
+
+/// Adds the blocks of one element; `values` starts at its lane.
+fn scatter(matrix: &mut BlockCsr, slots: &[[u32; 2]], values: &[f64], d: usize, n: usize) {
+    let size = d * d;
+    let mut pair = 0;
+    for a in 0..n {
+        for b in a..n {
+            let at = |i: usize, j: usize| values[(pair * size + i * d + j) * LANES];
+            let [upper, lower] = slots[pair];
+            let target = &mut matrix.values_mut()[upper as usize * size..][..size];
+            for (k, t) in target.iter_mut().enumerate() {
+                *t += at(k / d, k % d);
+            }
+            if a != b {
+                let target = &mut matrix.values_mut()[lower as usize * size..][..size];
+                for (k, t) in target.iter_mut().enumerate() {
+                    *t += at(k % d, k / d);
+                }
+            }
+            pair += 1;
+        }
+    }
+}
+
+/// Where in the blocks' partial arrays each node finds its contributions.
+fn contributions(blocks: &[Block], node_count: usize, d: usize) -> (Vec<usize>, Vec<(u32, u32)>) {
+    let mut starts = vec![0usize; node_count + 1];
+    for node in blocks.iter().flat_map(|b| &b.spec.connectivity) {
+        starts[*node as usize + 1] += 1;
+    }
+    for n in 0..node_count {
+        starts[n + 1] += starts[n];
+    }
+    let mut next = starts.clone();
+    let mut places = vec![(0, 0); starts[node_count]];
+    for (b, block) in blocks.iter().enumerate() {
+        let n = block.spec.element.node_count();
+        for (element, nodes) in block.spec.connectivity.chunks(n).enumerate() {
+            let (group, lane) = (element / LANES, element % LANES);
+            for (a, &node) in nodes.iter().enumerate() {
+                let place = (group * n + a) * d * LANES + lane;
+                places[next[node as usize]] =
+                    (b as u32, u32::try_from(place).expect("a block has less than 2³² values"));
+                next[node as usize] += 1;
+            }
+        }
+    }
+    (starts, places)
+}
+
+enum Destination {
+    Partial,
+    Step,
+    Small,
+}
+
+impl Block {
+    fn new(
+        spec: BlockSpec,
+        derived: Arc<Derived>,
+        backend: &dyn Backend,
+        rest: &Arc<Vec<f64>>,
+        d: usize,
+        masses: &mut Masses,
+    ) -> Result<Block, CompileError> {
+        let n = spec.element.node_count();
+        let groups = spec.len().div_ceil(LANES);
+        let mut rows = Vec::with_capacity(groups * n * LANES);
+        for group in 0..groups {
+            for a in 0..n {
+                rows.extend((0..LANES).map(|lane| {
+                    let element = (group * LANES + lane).min(spec.len() - 1);
+                    spec.connectivity[element * n + a]
+                }));
+            }
+        }
+        let compile = |name: &str| {
+            let program = derived.staged.program(name).expect("every association has every program");
+            backend.compile(program)
+        };
+        let kernels = Kernels {
+            energy: compile("energy")?,
+            force: compile("force")?,
+            // A law that is linear carries nothing from a state.
+            linearise: if derived.staged.step_to_apply == (0, 0) { None } else { Some(compile("linearise")?) },
+            tangent_apply: compile("tangent_apply")?,
+            tangent_blocks: compile("tangent_blocks")?,
+            volume_ratio: compile("volume_ratio")?,
+        };
+        let points = kernels.force.program().points;
+        let sized = |(once, each): (usize, usize)| {
+            [vec![0.0; groups * once * LANES], vec![0.0; groups * each * points * LANES]]
+        };
+        let mut block = Block {
+            groups,
+            rest: rest.clone(),
+            rows,
+            setup: sized(derived.staged.setup_to_step),
+            step: sized(derived.staged.step_to_apply),
+            partial: vec![0.0; groups * n * d * LANES],
+            tangent: Vec::new(),
+            small: Vec::new(),
+            kernels,
+            spec,
+            derived: derived.clone(),
+        };
+        block.set_up(&*compile("setup")?, rest, d, masses);
+        Ok(block)
+    }
+
+    /// Runs the set-up program: carried values stay here, masses go to the nodes.
+    fn set_up(&mut self, kernel: &dyn Kernel, rest: &[f64], d: usize, masses: &mut Masses) {
+        let n = self.spec.element.node_count();
+        let density = [self.spec.density];
+        let program = kernel.program();
+        let inputs: Vec<Input<'_>> = program
+            .inputs
+            .iter()
+            .map(|b| match b.name.as_str() {
+                "rest" => Input::Gathered { values: rest, rows: &self.rows, width: d },
+                "parameters" => Input::Uniform(&self.spec.parameters),
+                "density" => Input::Uniform(&density),
+                other => unreachable!("a set-up program reads no `{other}`"),
+            })
+            .collect();
+        let [mut shape, mut lumped] = [vec![0.0; self.groups * n * LANES], vec![0.0; self.groups * n * LANES]];
+        let [once, each] = &mut self.setup;
+        let (mut shape_out, mut lumped_out) = (Some(&mut shape[..]), Some(&mut lumped[..]));
+        let (mut once, mut each) = (Some(&mut once[..]), Some(&mut each[..]));
+        let mut outputs: Vec<&mut [f64]> = program
+            .outputs
+            .iter()
+            .map(|b| {
+                let slot = match b.name.as_str() {
+                    "shape_mass" => &mut shape_out,
+                    "lumped_mass" => &mut lumped_out,
+                    "setup_values" => &mut once,
+                    _ => &mut each,
+                };
+                slot.take().expect("buffers of a program have different names")
+            })
+            .collect();
+        kernel.run(&mut Scratch::default(), self.groups, &inputs, &mut outputs);
+        for (element, nodes) in self.spec.connectivity.chunks(n).enumerate() {
+            let (group, lane) = (element / LANES, element % LANES);
+            for (a, &node) in nodes.iter().enumerate() {
+                masses.shape[node as usize] += shape[(group * n + a) * LANES + lane];
+                masses.lumped[node as usize] += lumped[(group * n + a) * LANES + lane];
+            }
+        }
+    }
+
+    fn run(
+        &mut self,
+        kernel: &Arc<dyn Kernel>,
+        u: Option<&[f64]>,
+        v: Option<&[f64]>,
+        destination: Destination,
+        threads: &Threads,
+        scratch: &mut Vec<Scratch>,
+    ) {
+        let program = kernel.program();
+        let points = program.points;
+        let rows_of: Vec<usize> = program.outputs.iter().map(|b| b.total(points)).collect();
+        let (groups, n) = (self.groups, self.spec.element.node_count());
+        if matches!(destination, Destination::Small) {
+            self.small.resize(groups * rows_of[0] * LANES, 0.0);
+        }
+        let [step_once, step_each] = &mut self.step;
+        // A linearisation writes the step values that an application reads; the two never meet in one program.
+        let mut written: Vec<&mut [f64]> = Vec::new();
+        let (mut step_read, mut partial, mut small) = (None, Some(&mut self.partial[..]), Some(&mut self.small[..]));
+        if matches!(destination, Destination::Step) {
+            let (mut once, mut each) = (Some(&mut step_once[..]), Some(&mut step_each[..]));
+            for b in &program.outputs {
+                let slot = match b.name.as_str() {
+                    "force" => &mut partial,
+                    "step_values" => &mut once,
+                    _ => &mut each,
+                };
+                written.push(slot.take().expect("buffers of a program have different names"));
+            }
+        } else {
+            let slot = if matches!(destination, Destination::Partial) { &mut partial } else { &mut small };
+            written.push(slot.take().expect("taken once"));
+            step_read = Some([&step_once[..], &step_each[..]]);
+        }
+        let source = Sources {
+            u,
+            v,
+            rest: Some(&self.rest),
+            parameters: &self.spec.parameters,
+            rows: &self.rows,
+            setup: [&self.setup[0], &self.setup[1]],
+            step: step_read,
+            nodes: n,
+        };
+        run_tasks(kernel, &source, 0, groups, &mut written, &rows_of, threads, scratch);
+    }
+
+    fn run_tangent(&mut self, u: &[f64], first: usize, count: usize, threads: &Threads, scratch: &mut Vec<Scratch>) {
+        let kernel = self.kernels.tangent_blocks.clone();
+        let program = kernel.program();
+        let rows_of: Vec<usize> = program.outputs.iter().map(|b| b.total(program.points)).collect();
+        self.tangent.resize(count * rows_of[0] * LANES, 0.0);
+        let source = Sources {
+            u: Some(u),
+            v: None,
+            rest: Some(&self.rest),
+            parameters: &self.spec.parameters,
+            rows: &self.rows,
+            setup: [&self.setup[0], &self.setup[1]],
+            step: None,
+            nodes: self.spec.element.node_count(),
+        };
+        run_tasks(&kernel, &source, first, count, &mut [&mut self.tangent], &rows_of, threads, scratch);
+    }
+}
+
+/// Where the input buffers of a program are found.
+struct Sources<'a> {
+    u: Option<&'a [f64]>,
+    v: Option<&'a [f64]>,
+    rest: Option<&'a [f64]>,
+    parameters: &'a [f64],
+    rows: &'a [u32],
+    setup: [&'a [f64]; 2],
+    step: Option<[&'a [f64]; 2]>,
+    nodes: usize,
+}
+
+/// Runs a kernel over `count` groups from `first`, in tasks.
+fn run_tasks(
+    kernel: &Arc<dyn Kernel>,
+    source: &Sources<'_>,
+    first: usize,
+    count: usize,
+    outputs: &mut [&mut [f64]],
+    rows_of: &[usize],
+    threads: &Threads,
+    scratch: &mut Vec<Scratch>,
+) {
+    struct Task<'a> {
+        first: usize,
+        groups: usize,
+        outputs: Vec<&'a mut [f64]>,
+        scratch: Scratch,
+    }
+    let per_task = TASK.min(count.div_ceil(threads.count())).max(1);
+    let mut tasks: Vec<Task<'_>> = Vec::with_capacity(count.div_ceil(per_task));
+    let mut left: Vec<&mut [f64]> = outputs.iter_mut().map(|o| &mut **o).collect();
+    let mut at = 0;
+    while at < count {
+        let groups = per_task.min(count - at);
+        let mut own = Vec::with_capacity(left.len());
+        for (slice, rows) in left.iter_mut().zip(rows_of) {
+            let (head, tail) = std::mem::take(slice).split_at_mut(groups * rows * LANES);
+            own.push(head);
+            *slice = tail;
+        }
+        tasks.push(Task { first: first + at, groups, outputs: own, scratch: scratch.pop().unwrap_or_default() });
+        at += groups;
+    }
+    let program = kernel.program();
+    let points = program.points;
+    threads.run(&mut tasks, |task| {
+        let inputs: Vec<Input<'_>> = program
+            .inputs
+            .iter()
+            .map(|b| {
+                let part = |rows: usize| task.first * rows * LANES..(task.first + task.groups) * rows * LANES;
+                let lanes = || part(b.total(points));
+                match b.name.as_str() {
+                    "displacement" | "direction" | "rest" => {
+                        let values = match b.name.as_str() {
+                            "displacement" => source.u,
+                            "direction" => source.v,
+                            _ => source.rest,
+                        };
+                        let values = values.expect("the caller gives what its programs read");
+                        let rows = &source.rows[part(source.nodes)];
+                        Input::Gathered { values, rows, width: b.len / source.nodes }
+                    }
+                    "parameters" => Input::Uniform(source.parameters),
+                    "setup_values" => Input::Lanes(&source.setup[0][lanes()]),
+                    "setup_point_values" => Input::Lanes(&source.setup[1][lanes()]),
+                    name => {
+                        let step = source.step.expect("only applications read what a step carries");
+                        let values = if name == "step_values" { step[0] } else { step[1] };
+                        Input::Lanes(&values[lanes()])
+                    }
+                }
+            })
+            .collect();
+        kernel.run(&mut task.scratch, task.groups, &inputs, &mut task.outputs);
+    });
+    scratch.extend(tasks.into_iter().map(|t| t.scratch));
+}
