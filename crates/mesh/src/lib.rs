@@ -16,6 +16,7 @@
 
 pub mod bar;
 pub mod check;
+pub mod formats;
 mod geometry;
 mod mesh;
 pub mod numbering;
