@@ -1,8 +1,38 @@
 //! From a scene to everything that a model is made of: meshes read or generated, regions found, materials assigned,
 //! constraints and loads per node.
+//!
+//! ```text
+//! Scene ── unsupported ──► refused or not
+//!   [body.mesh] ── meshes, check ──► meshes in metres, fit to compute with
+//!   [[body.material]] ── parameters, materials ──► blocks of like elements
+//!   [[body.fix]], [[body.move]], [[probe]] ── regions, conditions ──► nodes and elements
+//!   [[body.force]], [[body.traction]] ── loads ──► forces on nodes
+//! ```
+//!
+//! Nothing here opens a file or computes a force of the body itself. All problems are found in one go, each with its
+//! place in the scene.
 
-use souple_mesh::Mesh;
+mod catalogue;
+mod check;
+mod conditions;
+mod error;
+mod loads;
+mod materials;
+mod meshes;
+mod parameters;
+mod regions;
+#[cfg(test)]
+mod tests;
+mod unsupported;
+
+pub use catalogue::catalogue;
+pub use error::{PrepareError, PrepareProblem};
+
+use error::Findings;
+use regions::Place;
+use souple_mesh::{Block, ElementId, Mesh};
 use souple_operators::BlockSpec;
+use souple_scene::{Location, Scene};
 
 /// A scene with its meshes read and its regions found. Nodes of all bodies are numbered one after the other.
 #[derive(Clone, Debug)]
@@ -68,4 +98,144 @@ pub struct ProbeRegion {
     pub nodes: Vec<u32>,
     /// Global element numbers, sorted.
     pub elements: Vec<u32>,
+}
+
+/// Prepares a scene: reads or generates its meshes, finds its regions and assigns its materials.
+///
+/// `scene_file` is only used in messages. `read` gives the bytes of a mesh file, named as the scene names it: relative
+/// to the scene's folder. The texts beside the result are warnings, `scene.toml:12:9: warning: …`.
+///
+/// # Errors
+/// Everything that is wrong: meshes that cannot be read or computed with, regions that select nothing, elements without
+/// material, parameters out of range, loads and laws that are not supported yet.
+pub fn prepare(
+    scene: &Scene,
+    scene_file: &str,
+    read: &mut dyn FnMut(&str) -> Result<Vec<u8>, String>,
+) -> Result<(Prepared, Vec<String>), PrepareError> {
+    let mut findings = Findings::default();
+    unsupported::refuse(scene, &mut findings);
+    let (bodies, dimension) = bodies(scene, read, &mut findings);
+
+    let places: Vec<Option<Place<'_>>> = scene
+        .bodies
+        .iter()
+        .zip(&bodies)
+        .map(|(scene, body)| body.as_ref().map(|body| Place { scene: &scene.value, body }))
+        .collect();
+    let (mut blocks, mut loads, mut fixed, mut moved) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let (mut nodes, mut velocities) = (Vec::new(), Vec::new());
+    for (index, place) in places.iter().enumerate() {
+        let Some(place) = *place else { continue };
+        nodes.extend_from_slice(&place.body.mesh.nodes);
+        velocities.resize(nodes.len(), place.scene.initial_velocity);
+        conditions::keep_in_space(scene, place.scene, dimension, &mut findings);
+        materials::group(place, &mut blocks, &mut findings);
+        conditions::constrain(place, index, dimension, &mut fixed, &mut moved, &mut findings);
+        loads::load(place, &mut loads, &mut findings);
+    }
+    let probes = scene.probes.iter().map(|probe| conditions::probe(probe, &places, &mut findings)).collect();
+
+    let warnings = findings.outcome(scene_file)?;
+    let bodies = bodies.into_iter().flatten().collect();
+    Ok((Prepared { dimension, bodies, nodes, blocks, fixed, moved, loads, velocities, probes }, warnings))
+}
+
+/// The bodies with their meshes, `None` where there was a problem, and the dimension of their elements.
+fn bodies(scene: &Scene, read: meshes::Read<'_>, findings: &mut Findings) -> (Vec<Option<PreparedBody>>, usize) {
+    let mut bodies: Vec<Option<PreparedBody>> = Vec::with_capacity(scene.bodies.len());
+    let (mut first_node, mut first_element) = (0u32, 0u32);
+    let mut first: Option<(usize, String, Location)> = None;
+    for body in &scene.bodies {
+        let Some((mesh, report)) = meshes::mesh_of(body, read, findings) else {
+            bodies.push(None);
+            continue;
+        };
+        let (at, name, dimension) = (meshes::place(body), &body.name.value, mesh.dimension());
+        let (known, other, place) = first.get_or_insert_with(|| (dimension, name.clone(), at.clone()));
+        if *known != dimension {
+            let message = format!(
+                "body \"{name}\" has elements of dimension {dimension}, body \"{other}\" ({place}) of dimension {known}; \
+                 all bodies of a scene have one dimension: make separate scenes"
+            );
+            findings.problem(at, message);
+            bodies.push(None);
+            continue;
+        }
+        let count = |first: u32, more: usize| u32::try_from(more).ok().and_then(|more| first.checked_add(more));
+        let (Some(next_node), Some(next_element)) =
+            (count(first_node, mesh.nodes.len()), count(first_element, mesh.element_count()))
+        else {
+            let message = format!("with body \"{name}\" the scene has more than {} nodes or elements", u32::MAX);
+            findings.problem(at, message);
+            bodies.push(None);
+            continue;
+        };
+        bodies.push(Some(PreparedBody { name: name.clone(), mesh, first_node, first_element, report }));
+        (first_node, first_element) = (next_node, next_element);
+    }
+    // Without any mesh there is a problem already, and nothing depends on the dimension.
+    (bodies, first.map_or(3, |first| first.0))
+}
+
+impl Prepared {
+    /// An element in words, for messages: "hex8 number 17 of body `bar` (nodes 3, 4, …)".
+    ///
+    /// `id` is a global element number ([`BlockSpec::ids`]). The number in the text counts the elements of this kind in
+    /// the body from 0, the nodes are those of the body's mesh, from 0.
+    pub fn describe_element(&self, id: u32) -> String {
+        let found = self.bodies.iter().rev().find(|body| body.first_element <= id);
+        let located = found.and_then(|body| Some((body, body.id_in_body(id - body.first_element)?)));
+        match located {
+            Some((body, element)) => described(&body.mesh, &body.name, element),
+            None => format!("element {id}, which the scene does not have"),
+        }
+    }
+}
+
+impl PreparedBody {
+    /// The blocks of the elements that deform: those of the highest dimension, in the order in which they are numbered.
+    pub fn deformable(&self) -> impl Iterator<Item = &Block> {
+        let dimension = self.mesh.dimension();
+        self.mesh.blocks.iter().filter(move |block| block.element.dimension() == dimension)
+    }
+
+    /// Number of a deformable element, from 0 in this body; `None` for elements of lower dimension.
+    pub fn number_in_body(&self, id: ElementId) -> Option<u32> {
+        let dimension = self.mesh.dimension();
+        let block = self.mesh.blocks.get(id.block as usize)?;
+        if block.element.dimension() != dimension || id.index as usize >= block.len() {
+            return None;
+        }
+        let before = &self.mesh.blocks[..id.block as usize];
+        let skipped: usize = before.iter().filter(|b| b.element.dimension() == dimension).map(Block::len).sum();
+        Some(skipped as u32 + id.index)
+    }
+
+    /// The element of the mesh with this number in the body; `None` when there are fewer.
+    pub fn id_in_body(&self, number: u32) -> Option<ElementId> {
+        let dimension = self.mesh.dimension();
+        let mut rest = number;
+        for (block, b) in (0u32..).zip(&self.mesh.blocks).filter(|(_, b)| b.element.dimension() == dimension) {
+            if (rest as usize) < b.len() {
+                return Some(ElementId { block, index: rest });
+            }
+            rest -= b.len() as u32;
+        }
+        None
+    }
+}
+
+/// Nodes of an element in a message before the rest is left out.
+const SHOWN_NODES: usize = 8;
+
+/// An element in words.
+fn described(mesh: &Mesh, body: &str, id: ElementId) -> String {
+    let nodes = mesh.nodes_of(id);
+    let mut shown: Vec<String> = nodes.iter().take(SHOWN_NODES).map(u32::to_string).collect();
+    if nodes.len() > SHOWN_NODES {
+        shown.push("…".to_owned());
+    }
+    let kind = mesh.blocks[id.block as usize].element.id;
+    format!("{kind} number {} of body `{body}` (nodes {})", id.index, shown.join(", "))
 }

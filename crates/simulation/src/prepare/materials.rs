@@ -1,0 +1,157 @@
+//! Which material each element has, and the blocks of like elements that follow.
+
+use super::error::Findings;
+use super::parameters::parameters;
+use super::regions::{Needs, Place, described, select};
+use souple_elements::{Element, Rule};
+use souple_laws::Law;
+use souple_mesh::BoundingBox;
+use souple_operators::BlockSpec;
+use souple_scene::material::USER_LAW;
+
+/// A material of a body, resolved.
+struct Resolved {
+    law: &'static Law,
+    parameters: Vec<f64>,
+}
+
+/// Appends the body's elements to the blocks, in the order of the mesh.
+///
+/// Notes elements without material, faulty parameters, and materials that apply nowhere.
+pub(super) fn group(place: Place<'_>, blocks: &mut Vec<BlockSpec>, findings: &mut Findings) {
+    let (scene, body) = (place.scene, place.body);
+    let count = body.mesh.element_count();
+    let mut material_of: Vec<Option<usize>> = vec![None; count];
+    let mut resolved: Vec<Option<Resolved>> = Vec::with_capacity(scene.materials.len());
+    let mut sound = true;
+    for (index, material) in scene.materials.iter().enumerate() {
+        match select(place, &material.region, Needs::Elements, findings) {
+            Some(selected) => selected.elements.iter().for_each(|&e| material_of[e as usize] = Some(index)),
+            None => sound = false,
+        }
+        let law = souple_laws::by_id(&material.law);
+        // A user law was refused with everything else that is not supported.
+        if law.is_none() && material.law.value != USER_LAW {
+            findings.problem(
+                &material.law.at,
+                format!("there is no law `{}`; `souple list laws` shows them", *material.law),
+            );
+        }
+        let material = law.and_then(|law| Some(Resolved { law, parameters: parameters(law, material, findings)? }));
+        resolved.push(material);
+    }
+    if !sound {
+        // An element without material would only repeat that a region is wrong.
+        return;
+    }
+    for (index, material) in scene.materials.iter().enumerate() {
+        if !material_of.contains(&Some(index)) {
+            let message = format!(
+                "this material applies to no element: later materials override all of its region {}",
+                described(&material.region)
+            );
+            findings.warning(&material.at, message);
+        }
+    }
+    report_bare(place, &material_of, findings);
+    for quadrature in &scene.quadrature {
+        let used = body.mesh.blocks.iter().any(|b| b.element.id == quadrature.element && !b.is_empty());
+        if !used {
+            let message =
+                format!("body \"{}\" has no {}; this quadrature has no effect", *scene.name, quadrature.element);
+            findings.warning(&quadrature.at, message);
+        }
+    }
+
+    let density = scene.density.value;
+    let mut number = 0;
+    for block in body.deformable() {
+        let Some(rule) = rule(place, block.element, findings) else { return };
+        // Where elements of each material of this body go; found once per kind of element.
+        let mut target: Vec<Option<usize>> = vec![None; resolved.len()];
+        for index in 0..block.len() {
+            let Some(material) = material_of[number] else {
+                number += 1;
+                continue;
+            };
+            let Some(Resolved { law, parameters }) = &resolved[material] else {
+                number += 1;
+                continue;
+            };
+            let at = *target[material].get_or_insert_with(|| {
+                let same = |spec: &BlockSpec| {
+                    spec.element.id == block.element.id
+                        && spec.law.id == law.id
+                        && spec.rule.id == rule.id
+                        && bits(&spec.parameters) == bits(parameters)
+                        && spec.density.to_bits() == density.to_bits()
+                };
+                blocks.iter().position(same).unwrap_or_else(|| {
+                    blocks.push(BlockSpec {
+                        element: block.element,
+                        law,
+                        rule,
+                        parameters: parameters.clone(),
+                        density,
+                        connectivity: Vec::new(),
+                        ids: Vec::new(),
+                    });
+                    blocks.len() - 1
+                })
+            });
+            blocks[at].connectivity.extend(block.nodes(index).iter().map(|&n| body.first_node + n));
+            blocks[at].ids.push(body.first_element + number as u32);
+            number += 1;
+        }
+    }
+}
+
+fn bits(values: &[f64]) -> Vec<u64> {
+    values.iter().map(|value| value.to_bits()).collect()
+}
+
+/// The scene's rule for an element, or the element's own.
+fn rule(place: Place<'_>, element: &'static Element, findings: &mut Findings) -> Option<&'static Rule> {
+    match place.scene.quadrature.iter().find(|quadrature| quadrature.element == element.id) {
+        None => Some(element.default_rule()),
+        Some(given) => {
+            let rule = element.rule(&given.rule);
+            if rule.is_none() {
+                let known = element.quadratures.join(", ");
+                findings
+                    .problem(&given.at, format!("{} has no quadrature `{}`; it has {known}", element.id, given.rule));
+            }
+            rule
+        }
+    }
+}
+
+/// Notes elements without material: how many, of which kinds, and where.
+fn report_bare(place: Place<'_>, material_of: &[Option<usize>], findings: &mut Findings) {
+    let bare: Vec<u32> = (0u32..).zip(material_of).filter(|(_, material)| material.is_none()).map(|(e, _)| e).collect();
+    if bare.is_empty() {
+        return;
+    }
+    let mesh = &place.body.mesh;
+    let ids: Vec<_> = bare.iter().filter_map(|&e| place.body.id_in_body(e)).collect();
+    let mut kinds: Vec<(&str, usize)> = Vec::new();
+    for id in &ids {
+        let kind = mesh.blocks[id.block as usize].element.id;
+        match kinds.iter_mut().find(|known| known.0 == kind) {
+            Some(known) => known.1 += 1,
+            None => kinds.push((kind, 1)),
+        }
+    }
+    let corners = ids.iter().flat_map(|&id| mesh.nodes_of(id)).map(|&n| &mesh.nodes[n as usize]);
+    let bounds = BoundingBox::around(corners).map_or_else(String::new, |b| b.to_string());
+    let kinds: Vec<String> = kinds.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
+    let message = format!(
+        "{} of {} elements of body \"{}\" have no material ({}, within {bounds}); add a [[body.material]] whose region \
+         holds them, for example `region = \"all\"` before the others",
+        bare.len(),
+        material_of.len(),
+        *place.scene.name,
+        kinds.join(", ")
+    );
+    findings.problem(&place.scene.name.at, message);
+}
