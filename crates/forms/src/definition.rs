@@ -45,6 +45,8 @@ pub struct Definition {
     pub tangent_blocks: Vec<Expr>,
     /// Volume ratio J = det(I + H) at the quadrature points: one expression that varies over them, or one per point.
     pub volume_ratio: Vec<Expr>,
+    /// Volume in the deformed shape, in m³.
+    pub deformed_volume: Expr,
     /// ∫ρ N_a in kg, [node]: the load of a unit acceleration.
     pub shape_mass: Vec<Expr>,
     /// Lumped masses in kg, [node], positive and summing to the element's mass.
@@ -165,6 +167,8 @@ pub fn define(element: &Element, law: &Law, rule: &Rule, loops: Loops) -> Defini
     let tangent_blocks = complete_blocks(g, summed, n, d, constant_sum);
     let shape_mass = transpose(g, &masses);
     let square_mass = transpose(g, &squares);
+    let deformed: Vec<Expr> = volumes.iter().zip(&volume_ratio).map(|(&v, &j)| g.mul(v, j)).collect();
+    let deformed_volume = total(g, &deformed);
     let lumped_mass = lump(g, element, rule, &shape_mass, &square_mass);
     Definition {
         dimension: d,
@@ -179,6 +183,7 @@ pub fn define(element: &Element, law: &Law, rule: &Rule, loops: Loops) -> Defini
         tangent_apply,
         tangent_blocks,
         volume_ratio,
+        deformed_volume,
         shape_mass,
         lumped_mass,
         displacement_gradient,

@@ -23,8 +23,8 @@ pub struct Association {
 ///
 /// Programs read the buffers `rest`, `parameters`, `density` (set-up), `displacement` (step), `direction`
 /// (application) and the carried values of earlier programs; all arrays are as in [`Definition`].
-pub const OUTPUTS: [&str; 7] =
-    ["energy", "force", "tangent_apply", "tangent_blocks", "volume_ratio", "shape_mass", "lumped_mass"];
+pub const OUTPUTS: [&str; 8] =
+    ["energy", "force", "tangent_apply", "tangent_blocks", "volume_ratio", "volume", "shape_mass", "lumped_mass"];
 
 /// Programs of an association, with the definition that they come from.
 #[derive(Clone, Debug)]
@@ -34,8 +34,8 @@ pub struct Derived {
     /// The expressions.
     pub definition: Definition,
     /// The programs: `setup` (carried values, `shape_mass`, `lumped_mass`), `energy`, `force`, `linearise` (forces and
-    /// the values carried to applications), `tangent_apply`, `tangent_apply_uncached`, `tangent_blocks` and
-    /// `volume_ratio`.
+    /// the values carried to applications), `tangent_apply`, `tangent_apply_uncached`, `tangent_blocks`,
+    /// `volume_ratio` and `volume`.
     pub staged: Staged,
 }
 
@@ -67,6 +67,7 @@ pub fn derive(association: Association, costs: Costs) -> Derived {
         output("tangent_apply", Time::Apply, "tangent_apply", &d.tangent_apply, true),
         output("tangent_apply_uncached", Time::Apply, "tangent_apply", &d.tangent_apply, false),
         output("volume_ratio", Time::Step, "volume_ratio", &d.volume_ratio, false),
+        output("volume", Time::Step, "volume", &[d.deformed_volume], false),
         output("tangent_blocks", Time::Step, "tangent_blocks", &d.tangent_blocks, false),
     ];
     let staged = stage(&d.graph, &inputs, &outputs, costs);

@@ -56,6 +56,7 @@ struct Kernels {
     tangent_apply: Arc<dyn Kernel>,
     tangent_blocks: Arc<dyn Kernel>,
     volume_ratio: Arc<dyn Kernel>,
+    volume: Arc<dyn Kernel>,
 }
 
 /// Masses that the elements give to the nodes.
@@ -135,19 +136,29 @@ impl Elements {
         self.blocks.iter().map(|b| (&b.spec, &*b.derived))
     }
 
-    /// Total energy in J at displacement `u`.
+    /// Total strain energy in J at displacement `u`.
     pub fn energy(&mut self, u: &[f64]) -> f64 {
         let mut total = 0.0;
+        self.each_energy(u, |_, energy| total += energy);
+        total
+    }
+
+    /// Strain energy of each element in J, with its number, in the order of the blocks.
+    pub fn each_energy(&mut self, u: &[f64], mut give: impl FnMut(u32, f64)) {
         for block in &mut self.blocks {
             let kernel = block.kernels.energy.clone();
             block.run(&kernel, Some(u), None, Destination::Small, &self.threads, &mut self.scratch);
-            for (e, energy) in block.small.iter().enumerate() {
-                if e < block.spec.len() {
-                    total += energy;
-                }
-            }
+            block.spec.ids.iter().zip(&block.small).for_each(|(&id, &energy)| give(id, energy));
         }
-        total
+    }
+
+    /// Deformed volume of each element in m³, with its number, in the order of the blocks.
+    pub fn each_volume(&mut self, u: &[f64], mut give: impl FnMut(u32, f64)) {
+        for block in &mut self.blocks {
+            let kernel = block.kernels.volume.clone();
+            block.run(&kernel, Some(u), None, Destination::Small, &self.threads, &mut self.scratch);
+            block.spec.ids.iter().zip(&block.small).for_each(|(&id, &volume)| give(id, volume));
+        }
     }
 
     /// `out += f(u)`, internal forces in N.
@@ -374,6 +385,7 @@ impl Block {
             tangent_apply: compile("tangent_apply")?,
             tangent_blocks: compile("tangent_blocks")?,
             volume_ratio: compile("volume_ratio")?,
+            volume: compile("volume")?,
         };
         let points = kernels.force.program().points;
         let sized = |(once, each): (usize, usize)| {

@@ -1,0 +1,15 @@
+//! What is promised of every element, law and quadrature: checked over the registries, so that a new file is under
+//! test at once. Elements, laws and rules of one test run are those of [`samples`].
+
+mod backends;
+mod blocks;
+mod counts;
+mod derivatives;
+mod determinism;
+mod goldens;
+mod invariance;
+mod masses;
+mod patch;
+mod programs;
+mod sample;
+mod staging;

@@ -1,0 +1,37 @@
+//! Masses that the elements give to their nodes.
+
+use crate::sample::{SKEW, assert_close, each, one_element, skewed};
+
+/// Both masses of an element are its density times its volume: det A times the reference cell's under an affine map A.
+#[test]
+fn masses_are_density_times_volume() {
+    each(|sample| {
+        let d = sample.dimension();
+        let a = SKEW;
+        let determinant = match d {
+            1 => a[0][0],
+            2 => a[0][0] * a[1][1] - a[0][1] * a[1][0],
+            _ => {
+                a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1]) - a[0][1] * (a[1][0] * a[2][2] - a[1][2] * a[2][0])
+                    + a[0][2] * (a[1][0] * a[2][1] - a[1][1] * a[2][0])
+            }
+        };
+        let expected = sample.density * determinant * sample.element.family.reference_measure();
+        let nodes = skewed(sample.element);
+        let (_, masses) = one_element(sample.element, sample.law, sample.rule, &nodes, sample.density);
+        for mass in [masses.shape, masses.lumped] {
+            assert_close(&sample.name(), &[mass.iter().sum()], &[expected], 1e-13, expected);
+        }
+    });
+}
+
+/// Lumped masses are positive, and sum to what the consistent loads sum to, on distorted elements too.
+#[test]
+fn lumped_masses_are_positive_and_complete() {
+    each(|sample| {
+        let total: f64 = sample.masses.shape.iter().sum();
+        assert!(total > 0.0, "{}", sample.name());
+        assert!(sample.masses.lumped.iter().all(|&m| m > 1e-6 * total), "{}: {:?}", sample.name(), sample.masses.lumped);
+        assert_close(&sample.name(), &[sample.masses.lumped.iter().sum()], &[total], 1e-13, total);
+    });
+}

@@ -1,0 +1,246 @@
+//! What leaves a simulation: pictures of a state, summaries, checkpoints.
+
+use crate::probes::{Measured, ProbeValue};
+use crate::run::{Ending, RunError, Simulation};
+use serde::Serialize;
+use souple_mesh::formats::{Field, Location, Values, VtuOptions, write_vtu};
+use souple_scene::output::Field as SceneField;
+use std::collections::BTreeMap;
+
+/// The result of a run in numbers.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// Title of the scene.
+    pub title: String,
+    /// Steps made.
+    pub steps: u64,
+    /// Simulated time in s.
+    pub simulated_s: f64,
+    /// Time it took in s.
+    pub wall_s: f64,
+    /// Time per step in ms.
+    pub step_ms: Quantiles,
+    /// Iterations of the linear solver per step.
+    pub cg_iterations: Iterations,
+    /// Deformable elements by kind.
+    pub elements: BTreeMap<String, usize>,
+    /// Number of nodes.
+    pub nodes: usize,
+    /// What it ran on.
+    pub device: String,
+    /// Probe, quantity, value.
+    pub probes: BTreeMap<String, BTreeMap<String, ProbeValue>>,
+    /// How it ended; failed also when it was stopped before its end.
+    pub status: Ending,
+}
+
+/// Distribution of the time per step.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Quantiles {
+    /// Mean.
+    pub mean: f64,
+    /// Median.
+    pub p50: f64,
+    /// 99th percentile.
+    pub p99: f64,
+}
+
+/// Iterations of the linear solver per step.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Iterations {
+    /// Mean.
+    pub mean: f64,
+    /// Maximum.
+    pub max: usize,
+}
+
+impl Simulation {
+    /// The run so far in numbers.
+    pub fn summary(&mut self) -> Summary {
+        let mut sorted = self.step_ms.clone();
+        sorted.sort_by(f64::total_cmp);
+        let at = |q: f64| -> f64 {
+            let last = sorted.len().saturating_sub(1);
+            sorted.get((q * last as f64).round() as usize).copied().unwrap_or(0.0)
+        };
+        let count = self.step_ms.len().max(1) as f64;
+        let mut elements = BTreeMap::new();
+        for block in &self.prepared.blocks {
+            *elements.entry(block.element.id.to_string()).or_insert(0) += block.len();
+        }
+        Summary {
+            title: self.scene.title.clone(),
+            steps: self.steps,
+            simulated_s: self.state.t,
+            wall_s: self.started.elapsed().as_secs_f64(),
+            step_ms: Quantiles { mean: self.step_ms.iter().sum::<f64>() / count, p50: at(0.5), p99: at(0.99) },
+            cg_iterations: Iterations {
+                mean: self.iterations.iter().sum::<usize>() as f64 / count,
+                max: self.iterations.iter().copied().max().unwrap_or(0),
+            },
+            elements,
+            nodes: self.prepared.nodes.len(),
+            device: self.device.clone(),
+            probes: self.probes(),
+            status: self.ending.unwrap_or(Ending::Failed),
+        }
+    }
+
+    /// The present state of each body as a VTU file: name of the body and bytes.
+    ///
+    /// # Errors
+    /// When a mesh cannot be written; the message says why.
+    pub fn frame(&mut self) -> Result<Vec<(String, Vec<u8>)>, RunError> {
+        let d = self.system.dimension;
+        let spread = |values: &[f64]| -> Vec<[f64; 3]> {
+            values.chunks(d).map(|v| std::array::from_fn(|k| v.get(k).copied().unwrap_or(0.0))).collect()
+        };
+        let displacement = spread(&self.state.u);
+        let velocity = spread(&self.state.v);
+        let fields = self.scene.output.fields.clone();
+        let wants = |f: SceneField| fields.contains(&f);
+        let count: usize = self.prepared.blocks.iter().map(souple_operators::BlockSpec::len).sum();
+        let mut nodal: Vec<(&str, Vec<[f64; 3]>)> = Vec::new();
+        if wants(SceneField::Displacement) {
+            nodal.push(("displacement", displacement.clone()));
+        }
+        if wants(SceneField::Velocity) {
+            nodal.push(("velocity", velocity));
+        }
+        if wants(SceneField::Force) {
+            let mut force = vec![0.0; self.state.u.len()];
+            self.system.elements.add_force(&self.state.u, &mut force);
+            nodal.push(("force", spread(&force)));
+        }
+        if wants(SceneField::Reaction) {
+            let mut measured =
+                Measured { system: &mut self.system, t: self.state.t, u: &self.state.u, v: &self.state.v };
+            let reactions = measured.reactions();
+            nodal.push(("reaction", spread(&reactions)));
+        }
+        let mut elemental: Vec<(&str, Vec<f64>)> = Vec::new();
+        if wants(SceneField::EnergyDensity) {
+            let mut volumes = vec![1.0; count];
+            let rest = vec![0.0; self.state.u.len()];
+            self.system.elements.each_volume(&rest, |id, v| volumes[id as usize] = v);
+            let mut density = vec![0.0; count];
+            self.system.elements.each_energy(&self.state.u, |id, e| density[id as usize] = e / volumes[id as usize]);
+            elemental.push(("energy density", density));
+        }
+        if wants(SceneField::VolumeRatio) {
+            let mut ratio = vec![0.0; count];
+            for (id, worst) in self.system.elements.crushed(&self.state.u, f64::INFINITY) {
+                ratio[id as usize] = worst;
+            }
+            elemental.push(("volume ratio", ratio));
+        }
+        if wants(SceneField::Material) {
+            let mut material = vec![0.0; count];
+            for (number, block) in self.prepared.blocks.iter().enumerate() {
+                for &id in &block.ids {
+                    material[id as usize] = number as f64;
+                }
+            }
+            elemental.push(("material", material));
+        }
+        let mut frames = Vec::new();
+        for body in &self.prepared.bodies {
+            let nodes = body.first_node as usize..body.first_node as usize + body.mesh.nodes.len();
+            let elements = body.first_element as usize..body.first_element as usize + body.mesh.element_count();
+            let mut mesh = body.mesh.clone();
+            for (node, u) in mesh.nodes.iter_mut().zip(&displacement[nodes.clone()]) {
+                for axis in 0..3 {
+                    node[axis] += u[axis];
+                }
+            }
+            let mut fields: Vec<Field> = nodal
+                .iter()
+                .map(|(name, values)| Field {
+                    name: (*name).into(),
+                    components: 3,
+                    location: Location::Nodes,
+                    values: Values::F64(values[nodes.clone()].iter().flatten().copied().collect()),
+                })
+                .collect();
+            for (name, values) in &elemental {
+                fields.push(Field {
+                    name: (*name).into(),
+                    components: 1,
+                    location: Location::Elements,
+                    values: Values::F64(values[elements.clone()].to_vec()),
+                });
+            }
+            let bytes = write_vtu(&mesh, &fields, &VtuOptions::default())
+                .map_err(|e| RunError { message: format!("body `{}` cannot be written: {e}", body.name) })?;
+            frames.push((body.name.clone(), bytes));
+        }
+        Ok(frames)
+    }
+
+    /// The whole state, for [`Simulation::restore`].
+    pub fn checkpoint(&self) -> Vec<u8> {
+        let mut bytes = MAGIC.to_vec();
+        let mut put = |x: f64| bytes.extend_from_slice(&x.to_bits().to_le_bytes());
+        put(self.steps as f64);
+        put(self.state.t);
+        put(self.state.u.len() as f64);
+        let previous = self.state.previous.as_ref();
+        let lists: [&[f64]; 6] = [
+            &self.state.u,
+            &self.state.v,
+            &self.state.guess,
+            &self.state.acceleration,
+            previous.map_or(&[], |p| &p.u),
+            previous.map_or(&[], |p| &p.v),
+        ];
+        put(previous.map_or(0.0, |p| p.step));
+        for list in lists {
+            put(list.len() as f64);
+            list.iter().for_each(|&x| put(x));
+        }
+        bytes
+    }
+
+    /// Goes back to a checkpoint of the same scene.
+    ///
+    /// # Errors
+    /// When the bytes are not a checkpoint, or one of another model.
+    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), RunError> {
+        let refuse = |message: &str| RunError { message: format!("the checkpoint cannot be used: {message}") };
+        let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| refuse("it is not one of this program"))?;
+        let (words, tail) = rest.as_chunks::<8>();
+        if !tail.is_empty() {
+            return Err(refuse("it is truncated"));
+        }
+        let mut values = words.iter().map(|w| f64::from_bits(u64::from_le_bytes(*w)));
+        let mut next = || values.next().ok_or_else(|| refuse("it is truncated"));
+        let (steps, t, len, h) = (next()?, next()?, next()?, next()?);
+        if len as usize != self.state.u.len() {
+            let have = self.state.u.len();
+            return Err(refuse(&format!("it has {len} unknowns and the scene has {have}")));
+        }
+        let mut lists: Vec<Vec<f64>> = Vec::new();
+        for _ in 0..6 {
+            let count = next()? as usize;
+            if count > words.len() {
+                return Err(refuse("it is damaged"));
+            }
+            lists.push((0..count).map(|_| next()).collect::<Result<_, _>>()?);
+        }
+        if lists[0].len() != len as usize || lists[1].len() != len as usize {
+            return Err(refuse("it is damaged"));
+        }
+        let mut lists = lists.into_iter();
+        let mut take = || lists.next().expect("six lists were read");
+        (self.state.u, self.state.v, self.state.guess, self.state.acceleration) = (take(), take(), take(), take());
+        let (u, v) = (take(), take());
+        self.state.previous = (!u.is_empty()).then_some(souple_solver::step::Previous { u, v, step: h });
+        self.state.t = t;
+        self.steps = steps as u64;
+        self.ending = None;
+        Ok(())
+    }
+}
+
+/// First bytes of a checkpoint.
+const MAGIC: &[u8] = b"souple checkpoint 1\n";

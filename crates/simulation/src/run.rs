@@ -1,0 +1,574 @@
+//! A simulation: built from a scene, advanced step by step, observed in between.
+
+use crate::motion::{Motion, Turn};
+use crate::prepare::{self, PrepareError, Prepared};
+use crate::probes::{ExpectationResult, Measured, ProbeValue};
+use crate::system::{FlatLoad, System};
+use serde::Serialize;
+use souple_kernels::{Backend, CompileError, Interpreter};
+use souple_kernels_cpu::{Cpu, InstructionSet};
+use souple_operators::{Elements, Threads};
+use souple_program::Costs;
+use souple_scene::expect::Expectation;
+use souple_scene::integrator::Method as SceneMethod;
+use souple_scene::output::Field as SceneField;
+use souple_scene::probe::Quantity;
+use souple_scene::{Scene, SceneErrors};
+use souple_solver::newton::LineSearch;
+use souple_solver::quasi_static::{QuasiStaticOptions, QuasiStaticStatus, quasi_static};
+use souple_solver::rest::{Rest, RestMonitor};
+use souple_solver::step::{State, StepOptions, StepStatus, StepWorkspace, WarmStart, step};
+use souple_solver::{LanczosOptions, Method, NewtonOptions, StepBound, critical_step};
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::time::Instant;
+use thiserror::Error;
+
+/// Where and how a simulation runs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RunOptions {
+    /// `"cpu"`, `"cpu:avx512"`, `"cpu:avx2"`, `"cpu:baseline"` or `"interpreter"`.
+    pub device: String,
+    /// Number of threads; 0 takes as many as the machine has.
+    pub threads: usize,
+}
+
+impl Default for RunOptions {
+    fn default() -> RunOptions {
+        RunOptions { device: "cpu".into(), threads: 0 }
+    }
+}
+
+/// Why a simulation cannot start. The text lists every problem found, with its place in the scene.
+#[derive(Debug, Error)]
+pub enum LoadError {
+    /// The scene's text is wrong.
+    #[error(transparent)]
+    Scene(#[from] SceneErrors),
+    /// The scene does not fit its meshes, or asks for what is not supported.
+    #[error(transparent)]
+    Prepare(#[from] PrepareError),
+    /// There is no such device here.
+    #[error("there is no device `{name}` here; there are: {known}")]
+    Device {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        known: String,
+    },
+    /// The device refused a program.
+    #[error(transparent)]
+    Compile(#[from] CompileError),
+    /// Threads could not be started.
+    #[error("{0}")]
+    Threads(String),
+    /// The scene asks for something that it cannot have.
+    #[error("{0}")]
+    Refused(String),
+}
+
+/// Why a simulation stopped before its end. The state is the last good one.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{message}")]
+pub struct RunError {
+    /// What happened, when, to which elements, and what to try.
+    pub message: String,
+}
+
+/// How a simulation ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum Ending {
+    /// The end time was reached.
+    #[serde(rename = "finished")]
+    Finished,
+    /// The bodies came to rest before.
+    #[serde(rename = "at rest")]
+    AtRest,
+    /// It diverged.
+    #[serde(rename = "failed")]
+    Failed,
+}
+
+/// What one step did.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Progress {
+    /// Steps made so far.
+    pub step: u64,
+    /// Simulated time in s.
+    pub time: f64,
+    /// Iterations of the linear solver in this step.
+    pub cg_iterations: usize,
+    /// Kinetic energy in J.
+    pub kinetic_energy: f64,
+    /// Whether the simulation is over, and how.
+    pub finished: Option<Ending>,
+    /// Whether the scene wants this state written.
+    pub output_due: bool,
+    /// What a person should know about this step.
+    pub warnings: Vec<String>,
+}
+
+/// A scene in motion.
+pub struct Simulation {
+    pub(crate) scene: Scene,
+    pub(crate) prepared: Prepared,
+    pub(crate) system: System,
+    pub(crate) state: State,
+    pub(crate) device: String,
+    pub(crate) steps: u64,
+    pub(crate) ending: Option<Ending>,
+    pub(crate) step_ms: Vec<f64>,
+    pub(crate) iterations: Vec<usize>,
+    pub(crate) started: Instant,
+    next_output: u64,
+    workspace: StepWorkspace,
+    rest: Option<RestMonitor>,
+}
+
+/// Opens a device by name.
+///
+/// # Errors
+/// When this machine has no such device; the message lists those that it has.
+pub fn open_device(name: &str) -> Result<Box<dyn Backend>, LoadError> {
+    let set = |set: InstructionSet| Cpu::with(set).map(|c| Box::new(c) as Box<dyn Backend>);
+    let found = match name {
+        "cpu" => Some(Box::new(Cpu::open()) as Box<dyn Backend>),
+        "interpreter" => Some(Box::new(Interpreter::default()) as Box<dyn Backend>),
+        other => other
+            .strip_prefix("cpu:")
+            .and_then(|wanted| InstructionSet::ALL.into_iter().find(|s| s.name() == wanted))
+            .and_then(set),
+    };
+    found.ok_or_else(|| {
+        let sets = InstructionSet::ALL.into_iter().filter(|s| s.available()).map(|s| format!("cpu:{}", s.name()));
+        let known: Vec<String> = ["cpu".to_string(), "interpreter".to_string()].into_iter().chain(sets).collect();
+        LoadError::Device { name: name.into(), known: known.join(", ") }
+    })
+}
+
+impl Simulation {
+    /// Reads a scene and builds everything that it needs.
+    ///
+    /// `overrides` are `key=value` pairs; `read` gives the bytes of a mesh file by the path written in the scene.
+    /// The second result are warnings.
+    ///
+    /// # Errors
+    /// Everything that is wrong with the scene, its meshes or the options, with places.
+    pub fn load(
+        text: &str,
+        scene_file: &str,
+        overrides: &[String],
+        read: &mut dyn FnMut(&str) -> Result<Vec<u8>, String>,
+        options: &RunOptions,
+    ) -> Result<(Simulation, Vec<String>), LoadError> {
+        let overrides: Vec<&str> = overrides.iter().map(String::as_str).collect();
+        let (scene, found) = souple_scene::parse_with_overrides(text, scene_file, &overrides, &prepare::catalogue())?;
+        let mut warnings: Vec<String> = found.iter().map(|w| w.in_file(scene_file).to_string()).collect();
+        refuse_unsupported(&scene, scene_file)?;
+        let (prepared, more) = prepare::prepare(&scene, scene_file, read)?;
+        warnings.extend(more);
+        let threads = match options.threads {
+            0 => std::thread::available_parallelism().map_or(1, usize::from),
+            n => n,
+        };
+        let threads = Arc::new(Threads::new(threads).map_err(LoadError::Threads)?);
+        let device = open_device(&options.device)?;
+        let (elements, masses) =
+            Elements::new(&prepared.nodes, prepared.blocks.clone(), &*device, threads.clone(), Costs::default())?;
+        let solver = scene.linear_solver.clone();
+        let mut system = System::new(elements, &masses, scene.gravity, prepared.nodes.clone(), solver, threads);
+        constrain(&mut system, &scene, &prepared);
+        let len = system.mass.len();
+        let mut state = State::at_rest(len);
+        let d = system.dimension;
+        for (n, velocity) in prepared.velocities.iter().enumerate() {
+            state.v[n * d..(n + 1) * d].copy_from_slice(&velocity[..d]);
+        }
+        let (mut u, mut v) = (std::mem::take(&mut state.u), std::mem::take(&mut state.v));
+        souple_solver::SecondOrder::prescribe(&system, 0.0, &mut u, &mut v);
+        (state.u, state.v) = (u, v);
+        let integrator = &scene.integrator;
+        if let Some(method) = method(&scene)
+            && method.is_explicit()
+        {
+            refuse_large_step(&mut system, &state, method, &scene, scene_file, &mut warnings)?;
+        }
+        system.rayleigh = [integrator.rayleigh.mass, integrator.rayleigh.stiffness];
+        let rest =
+            scene.time.stop.as_ref().map(|stop| {
+                RestMonitor::new(stop.mean_kinetic_energy, stop.check_every.unwrap_or(scene.time.step.value))
+            });
+        let workspace = StepWorkspace::new(len, method(&scene).unwrap_or(Method::ImplicitEuler));
+        let simulation = Simulation {
+            device: device.about().name.clone() + ": " + &device.about().description,
+            scene,
+            prepared,
+            system,
+            state,
+            steps: 0,
+            ending: None,
+            step_ms: Vec::new(),
+            iterations: Vec::new(),
+            started: Instant::now(),
+            next_output: 1,
+            workspace,
+            rest,
+        };
+        Ok((simulation, warnings))
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Simulated time in s.
+    pub fn time(&self) -> f64 {
+        self.state.t
+    }
+
+    /// When the simulation ends, in s.
+    pub fn end_time(&self) -> f64 {
+        self.scene.time.end.value
+    }
+
+    /// Makes one step. After the end nothing moves any more.
+    ///
+    /// # Errors
+    /// When the step failed: the state is the last good one, and the message says what happened where and when.
+    pub fn advance(&mut self) -> Result<Progress, RunError> {
+        let mut warnings = Vec::new();
+        if self.ending.is_none() {
+            let before = Instant::now();
+            let outcome = if self.scene.integrator.method.value == SceneMethod::QuasiStatic {
+                self.balance()
+            } else {
+                self.integrate(&mut warnings)
+            };
+            let iterations = outcome.map_err(|message| {
+                self.ending = Some(Ending::Failed);
+                RunError { message: self.explain(&message) }
+            })?;
+            self.step_ms.push(before.elapsed().as_secs_f64() * 1e3);
+            self.iterations.push(iterations);
+            self.steps += 1;
+            self.settle();
+        }
+        let due = match &self.scene.output.every {
+            None => self.ending.is_some(),
+            Some(every) => {
+                let due = self.state.t >= self.next_output as f64 * every.value - 1e-9 * self.scene.time.step.value;
+                while self.state.t >= self.next_output as f64 * every.value - 1e-9 * self.scene.time.step.value {
+                    self.next_output += 1;
+                }
+                due || self.ending.is_some()
+            }
+        };
+        Ok(Progress {
+            step: self.steps,
+            time: self.state.t,
+            cg_iterations: self.iterations.last().copied().unwrap_or(0),
+            kinetic_energy: self.kinetic_energy(),
+            finished: self.ending,
+            output_due: due,
+            warnings,
+        })
+    }
+
+    /// Kinetic energy of all nodes in J.
+    pub fn kinetic_energy(&self) -> f64 {
+        0.5 * self.state.v.iter().zip(&self.system.mass).map(|(v, m)| m * v * v).sum::<f64>()
+    }
+
+    /// One step of a time integrator; the number of linear iterations, or what went wrong.
+    fn integrate(&mut self, warnings: &mut Vec<String>) -> Result<usize, String> {
+        let integrator = &self.scene.integrator;
+        let method = method(&self.scene).expect("quasi-static scenes are balanced");
+        let h = self.scene.time.step.value;
+        let options = StepOptions {
+            newton_iterations: integrator.newton_iterations as usize,
+            newton_tolerance: integrator.newton_tolerance,
+            newton_absolute_tolerance: 0.0,
+            line_search: line_search(integrator.line_search),
+            warm_start: if self.scene.linear_solver.warm_start { WarmStart::Previous } else { WarmStart::Zero },
+        };
+        let report = step(&mut self.system, &mut self.state, h, method, &options, &mut self.workspace);
+        // The time is a multiple of the step, not a sum of roundings.
+        match report.status {
+            StepStatus::Failed(failure) => return Err(failure.message),
+            StepStatus::Unconverged(status) => {
+                warnings.push(format!("step {}: Newton stopped above its tolerance ({status:?})", self.steps + 1));
+            }
+            StepStatus::Completed => {}
+        }
+        if let Some(linear) = &report.linear
+            && !linear.converged()
+        {
+            warnings.push(format!(
+                "step {}: the linear solver stopped after {} iterations above its tolerance ({:?})",
+                self.steps + 1,
+                linear.iterations,
+                linear.status
+            ));
+        }
+        self.state.t = (self.steps + 1) as f64 * h;
+        let damping = integrator.velocity_damping;
+        if damping > 0.0 {
+            let factor = (-damping * h).exp();
+            for (v, &held) in self.state.v.iter_mut().zip(&self.system.prescribed) {
+                if !held {
+                    *v *= factor;
+                }
+            }
+        }
+        Ok(report.linear_iterations)
+    }
+
+    /// One step of a sequence of equilibria.
+    fn balance(&mut self) -> Result<usize, String> {
+        let integrator = &self.scene.integrator;
+        let h = self.scene.time.step.value;
+        let start = self.steps as f64 * h;
+        self.system.load_span = [start, start + h];
+        self.system.raising = self.steps == 0;
+        let first = 1.0 / f64::from(integrator.load_steps);
+        let options = QuasiStaticOptions {
+            initial_step: first,
+            max_step: first,
+            min_step: first * 1e-4,
+            newton: NewtonOptions {
+                relative_tolerance: integrator.newton_tolerance,
+                max_iterations: integrator.newton_iterations as usize,
+                line_search: line_search(integrator.line_search),
+                ..NewtonOptions::default()
+            },
+            ..QuasiStaticOptions::default()
+        };
+        let mut u = std::mem::take(&mut self.state.u);
+        let outcome = quasi_static(&mut self.system, &mut u, &options, &mut |_, _| ControlFlow::Continue(()));
+        self.state.u = u;
+        self.state.t = start + outcome.factor * h;
+        let reached = format!("{:.4} of the load", outcome.factor);
+        let why = outcome.last_rejection.map_or(String::new(), |r| format!("; last attempt: {r:?}"));
+        match outcome.status {
+            QuasiStaticStatus::Finished => {
+                self.state.t = (self.steps + 1) as f64 * h;
+                Ok(outcome.linear_iterations)
+            }
+            QuasiStaticStatus::StepTooSmall { .. } | QuasiStaticStatus::MaxAttempts => {
+                Err(format!("no equilibrium was found beyond {reached}{why}"))
+            }
+            QuasiStaticStatus::Failed(failure) => Err(format!("{} (at {reached})", failure.message)),
+            QuasiStaticStatus::Interrupted => Err("interrupted".into()),
+        }
+    }
+
+    /// Notices the end, or rest before it.
+    fn settle(&mut self) {
+        let h = self.scene.time.step.value;
+        if self.state.t >= self.end_time() - 1e-9 * h {
+            self.ending = Some(Ending::Finished);
+        }
+        let energy = self.kinetic_energy() / self.prepared.nodes.len() as f64;
+        if let Some(monitor) = &mut self.rest
+            && matches!(monitor.check(self.state.t, || energy), Rest::AtRest(_))
+        {
+            self.ending = Some(Ending::AtRest);
+        }
+    }
+
+    /// A failure with the elements that are worst off in the last good state, and what to try.
+    fn explain(&mut self, message: &str) -> String {
+        let crushed = self.system.elements.crushed(&self.state.u, 0.2);
+        let named: Vec<String> = crushed
+            .iter()
+            .take(5)
+            .map(|&(id, ratio)| format!("{} (volume ratio {ratio:.3})", self.prepared.describe_element(id)))
+            .collect();
+        let worst = match &named[..] {
+            [] => {
+                let mut all = self.system.elements.crushed(&self.state.u, f64::INFINITY);
+                all.truncate(1);
+                all.first().map_or(String::new(), |&(id, ratio)| {
+                    format!(
+                        " No element is crushed yet; the most compressed is {} (volume ratio {ratio:.3}).",
+                        self.prepared.describe_element(id)
+                    )
+                })
+            }
+            list => format!(" Crushed or inverted: {}{}.", list.join("; "), if crushed.len() > 5 { "; …" } else { "" }),
+        };
+        let advice = if self.scene.integrator.method.value == SceneMethod::QuasiStatic {
+            "more load steps, a finer mesh where elements are crushed, or a law that resists compression"
+        } else {
+            "a smaller time step, more Newton iterations, or damping"
+        };
+        format!("the simulation failed after t = {} s: {message}.{worst} What may help: {advice}.", self.state.t)
+    }
+
+    /// All probes: name, quantity, value.
+    pub fn probes(&mut self) -> BTreeMap<String, BTreeMap<String, ProbeValue>> {
+        let mut all = BTreeMap::new();
+        for (probe, region) in self.scene.probes.iter().zip(&self.prepared.probes) {
+            let mut values = BTreeMap::new();
+            let mut measured =
+                Measured { system: &mut self.system, t: self.state.t, u: &self.state.u, v: &self.state.v };
+            for quantity in &probe.quantities {
+                if let Some(value) = measured.measure(quantity.value, region, probe) {
+                    values.insert(quantity.value.to_string(), value);
+                }
+            }
+            all.insert(probe.name.value.clone(), values);
+        }
+        all
+    }
+
+    /// What the scene expects, compared with what was measured.
+    pub fn expectations(&mut self) -> Vec<ExpectationResult> {
+        let probes = self.probes();
+        let scene = &self.scene;
+        scene
+            .expectations
+            .iter()
+            .filter_map(|e| match &e.value {
+                Expectation::Value(expected) => {
+                    let probe = &scene.probes[expected.probe.value];
+                    let value = probes.get(&probe.name.value)?.get(&expected.quantity.to_string())?;
+                    Some(ExpectationResult::of(expected, probe, value))
+                }
+                Expectation::MaxCgIterations(limit) => {
+                    let most = self.iterations.iter().copied().max().unwrap_or(0) as f64;
+                    let limit = f64::from(*limit);
+                    let mut result =
+                        ExpectationResult::new("most CG iterations".into(), vec![limit], vec![most], limit);
+                    result.passed = most <= limit;
+                    Some(result)
+                }
+            })
+            .collect()
+    }
+
+    /// Displacements, [node, axis], in m.
+    pub fn displacement(&self) -> &[f64] {
+        &self.state.u
+    }
+
+    /// Number of space dimensions.
+    pub fn dimension(&self) -> usize {
+        self.system.dimension
+    }
+}
+
+fn line_search(on: bool) -> LineSearch {
+    if on {
+        LineSearch::default()
+    } else {
+        LineSearch { max_shrinks: 0, sufficient_decrease: 0.0, ..LineSearch::default() }
+    }
+}
+
+/// The solver's method; none when quasi-static.
+fn method(scene: &Scene) -> Option<Method> {
+    Some(match scene.integrator.method.value {
+        SceneMethod::ExplicitEuler => Method::ExplicitEuler,
+        SceneMethod::SymplecticEuler => Method::SymplecticEuler,
+        SceneMethod::Rk2 => Method::Rk2,
+        SceneMethod::Rk4 => Method::Rk4,
+        SceneMethod::ImplicitEuler => Method::ImplicitEuler,
+        SceneMethod::ImplicitMidpoint => Method::ImplicitMidpoint,
+        SceneMethod::Bdf2 => Method::Bdf2,
+        SceneMethod::Newmark => {
+            let newmark = scene.integrator.newmark;
+            Method::Newmark { beta: newmark.beta, gamma: newmark.gamma }
+        }
+        SceneMethod::QuasiStatic => return None,
+    })
+}
+
+fn refuse_unsupported(scene: &Scene, file: &str) -> Result<(), LoadError> {
+    let mut problems = Vec::new();
+    for probe in &scene.probes {
+        for quantity in probe.quantities.iter().filter(|q| q.value == Quantity::Stress) {
+            problems.push(format!("{}: the quantity \"stress\" is not supported yet", quantity.at.in_file(file)));
+        }
+    }
+    for field in &scene.output.fields {
+        if matches!(field, SceneField::Stress | SceneField::VonMisesStress | SceneField::Strain) {
+            problems.push(format!("{file}: [output] fields: \"{field}\" is not supported yet"));
+        }
+    }
+    if problems.is_empty() { Ok(()) } else { Err(LoadError::Refused(problems.join("\n"))) }
+}
+
+/// Prescribed unknowns, motions and loads.
+fn constrain(system: &mut System, scene: &Scene, prepared: &Prepared) {
+    let d = system.dimension;
+    for (nodes, axes) in &prepared.fixed {
+        for &n in nodes {
+            for axis in (0..d).filter(|&k| axes[k]) {
+                system.prescribed[n as usize * d + axis] = true;
+            }
+        }
+    }
+    for moved in &prepared.moved {
+        let source = &scene.bodies[moved.source.0].value.moves[moved.source.1].value;
+        for &n in &moved.nodes {
+            for axis in (0..d).filter(|&k| source.axes[k]) {
+                system.prescribed[n as usize * d + axis] = true;
+            }
+        }
+        system.motions.push(Motion {
+            nodes: moved.nodes.clone(),
+            axes: source.axes,
+            translation: source.translation.clone().unwrap_or_default(),
+            rotation: source.rotation.as_ref().map(|r| {
+                let length = r.axis.iter().map(|x| x * x).sum::<f64>().sqrt();
+                Turn { axis: r.axis.map(|x| x / length), through: r.through, keys: r.keys.clone() }
+            }),
+        });
+    }
+    for load in &prepared.loads {
+        let forces = load
+            .forces
+            .iter()
+            .flat_map(|&(n, force)| (0..d).map(move |axis| (n as usize * d + axis, force[axis])))
+            .collect();
+        system.loads.push(FlatLoad { forces, factor: load.factor.clone() });
+    }
+}
+
+/// Explicit methods: a step beyond the critical one is refused, or warned of if the scene insists.
+fn refuse_large_step(
+    system: &mut System,
+    state: &State,
+    method: Method,
+    scene: &Scene,
+    file: &str,
+    warnings: &mut Vec<String>,
+) -> Result<(), LoadError> {
+    let integrator = &scene.integrator;
+    // Damping of velocities acts like Rayleigh's mass term.
+    system.rayleigh = [integrator.rayleigh.mass + integrator.velocity_damping, integrator.rayleigh.stiffness];
+    let bound = critical_step(system, 0.0, &state.u, &state.v, method, &LanczosOptions::default())
+        .map_err(|failure| LoadError::Refused(failure.message))?;
+    let h = scene.time.step.value;
+    let message = match bound.bound {
+        StepBound::Unconditional => return Ok(()),
+        StepBound::UpTo(limit) if h <= limit => return Ok(()),
+        StepBound::UpTo(limit) => format!(
+            "the step of {h:e} s is larger than the critical step of {limit:.3e} s of {} (highest frequency {:.3e} rad/s)",
+            method.name(),
+            bound.frequency
+        ),
+        StepBound::NoStep => format!("{} is unstable without damping, whatever the step", method.name()),
+    };
+    if integrator.allow_unstable_step {
+        warnings.push(format!("{}: {message}", scene.time.step.at.in_file(file)));
+        return Ok(());
+    }
+    Err(LoadError::Refused(format!(
+        "{}: {message}; use a smaller step, an implicit method, or `allow_unstable_step = true`",
+        scene.time.step.at.in_file(file)
+    )))
+}

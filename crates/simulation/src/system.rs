@@ -1,0 +1,515 @@
+//! A model as the solvers see it: forces, products and constraints on flat vectors.
+//!
+//! Unknowns are [node, axis] with as many axes as the elements have dimensions.
+//!
+//! ```text
+//! F(t, u, v) = f(u) + g + p(t) − (α M + β K) v          internal, gravity, loads, Rayleigh damping
+//! M            lumped masses
+//! P            zero on fixed and moved unknowns
+//! ```
+
+use crate::motion::Motion;
+use souple_operators::{AssemblyMap, Elements, Masses, Threads};
+use souple_scene::linear_solver::{LinearMethod, LinearSolver, Operator, Preconditioner as Choice};
+use souple_solver::{
+    BlockCsr, BlockJacobi, CgOptions, CgWorkspace, Combination, Csr, Failure, Identity, IncompleteCholesky, Jacobi,
+    LinearOperator, LinearReport, LoadProblem, NewtonProblem, Preconditioner, Projector, SecondOrder, Serial,
+    SkylineLdlt, cg, solve_directly,
+};
+use std::cell::RefCell;
+use std::sync::Arc;
+
+/// A load as the system keeps it: values per unknown and a factor of time.
+pub(crate) struct FlatLoad {
+    pub(crate) forces: Vec<(usize, f64)>,
+    pub(crate) factor: Vec<(f64, f64)>,
+}
+
+/// A model ready to be integrated.
+pub(crate) struct System {
+    pub(crate) elements: Elements,
+    pub(crate) dimension: usize,
+    /// Mass per unknown in kg.
+    pub(crate) mass: Vec<f64>,
+    /// Gravity per unknown in N.
+    pub(crate) gravity: Vec<f64>,
+    pub(crate) loads: Vec<FlatLoad>,
+    /// Whether each unknown is prescribed.
+    pub(crate) prescribed: Vec<bool>,
+    pub(crate) motions: Vec<Motion>,
+    /// Rayleigh coefficients α in 1/s and β in s.
+    pub(crate) rayleigh: [f64; 2],
+    /// Rest positions of all nodes, [node][axis].
+    pub(crate) nodes: Vec<[f64; 3]>,
+    /// A displacement beyond this many metres is a divergence.
+    pub(crate) reach: f64,
+    /// Share of gravity and loads that acts (quasi-static loading).
+    pub(crate) load_share: f64,
+    /// Time of the loads and motions (quasi-static loading).
+    pub(crate) load_time: f64,
+    /// Start and end of the current quasi-static step.
+    pub(crate) load_span: [f64; 2],
+    /// Whether the current quasi-static step raises gravity and loads from nothing.
+    pub(crate) raising: bool,
+    solver: LinearSolver,
+    matrices: Option<Matrices>,
+    /// Displacement of the last linearisation, and whether the elements still hold it.
+    linearised: Vec<f64>,
+    stale: bool,
+    workspace: CgWorkspace,
+    scratch: Vec<f64>,
+    threads: Arc<Threads>,
+    direct: Option<SkylineLdlt>,
+    incomplete: Option<IncompleteCholesky>,
+}
+
+/// The stiffness matrix and the matrix of the linear system, with the same pattern.
+struct Matrices {
+    stiffness: BlockCsr,
+    system: BlockCsr,
+    map: AssemblyMap,
+    /// Slot of the diagonal block of each node.
+    diagonal: Vec<u32>,
+}
+
+impl System {
+    pub(crate) fn new(
+        elements: Elements,
+        masses: &Masses,
+        gravity: [f64; 3],
+        nodes: Vec<[f64; 3]>,
+        solver: LinearSolver,
+        threads: Arc<Threads>,
+    ) -> System {
+        let d = elements.dimension();
+        let len = elements.len();
+        let spread = |values: &[f64], axis_factor: &dyn Fn(usize) -> f64| -> Vec<f64> {
+            (0..len).map(|k| values[k / d] * axis_factor(k % d)).collect()
+        };
+        let mut low = [f64::INFINITY; 3];
+        let mut high = [f64::NEG_INFINITY; 3];
+        for node in &nodes {
+            for axis in 0..3 {
+                low[axis] = low[axis].min(node[axis]);
+                high[axis] = high[axis].max(node[axis]);
+            }
+        }
+        let size = (0..3).map(|k| (high[k] - low[k]).powi(2)).sum::<f64>().sqrt();
+        // Matrix-free products need the blocks only for a preconditioner; the choice `auto` is for the matrix, whose
+        // product costs less per iteration than any other for the linear elements.
+        let mut system = System {
+            dimension: d,
+            mass: spread(&masses.lumped, &|_| 1.0),
+            gravity: spread(&masses.shape, &|axis| gravity[axis]),
+            loads: Vec::new(),
+            prescribed: vec![false; len],
+            motions: Vec::new(),
+            rayleigh: [0.0; 2],
+            nodes,
+            reach: 1e3 * size,
+            load_share: 1.0,
+            load_time: 0.0,
+            load_span: [0.0; 2],
+            raising: false,
+            solver,
+            matrices: None,
+            linearised: vec![0.0; len],
+            stale: true,
+            workspace: CgWorkspace::new(len),
+            scratch: vec![0.0; len],
+            threads,
+            direct: None,
+            incomplete: None,
+            elements,
+        };
+        if system.needs_matrix() {
+            let (stiffness, map) = system.elements.pattern();
+            let diagonal = (0..stiffness.row_count())
+                .map(|n| stiffness.slot(n, n).expect("every node has its diagonal block") as u32)
+                .collect();
+            system.matrices = Some(Matrices { system: stiffness.clone(), stiffness, map, diagonal });
+        }
+        system
+    }
+
+    fn assembled_product(&self) -> bool {
+        self.solver.operator.value != Operator::MatrixFree
+    }
+
+    fn needs_matrix(&self) -> bool {
+        self.assembled_product()
+            || self.solver.method.value == LinearMethod::Direct
+            || self.solver.preconditioner.value != Choice::None
+    }
+
+    /// out ← external forces at time `t`.
+    pub(crate) fn external(&self, t: f64, out: &mut [f64]) {
+        for (o, g) in out.iter_mut().zip(&self.gravity) {
+            *o = self.load_share * g;
+        }
+        for load in &self.loads {
+            let factor = self.load_share * factor_at(&load.factor, t);
+            for &(unknown, force) in &load.forces {
+                out[unknown] += factor * force;
+            }
+        }
+    }
+
+    /// out ← f(u) + external forces at time `t`.
+    pub(crate) fn unbalanced(&mut self, t: f64, u: &[f64], out: &mut [f64]) {
+        self.external(t, out);
+        self.elements.add_force(u, out);
+    }
+
+    fn linearise_at(&mut self, u: &[f64]) {
+        self.linearised.copy_from_slice(u);
+        self.elements.linearise(u);
+        self.stale = false;
+        if let Some(m) = &mut self.matrices {
+            self.elements.assemble(u, &m.map, &mut m.stiffness);
+        }
+    }
+
+    /// y ← K x at the linearised state.
+    fn stiffness(&mut self, x: &[f64], y: &mut [f64]) {
+        if self.assembled_product()
+            && let Some(m) = &self.matrices
+        {
+            multiply(&m.stiffness, &self.threads, self.dimension, x, y);
+            return;
+        }
+        if self.stale {
+            let u = std::mem::take(&mut self.linearised);
+            self.elements.linearise(&u);
+            self.linearised = u;
+            self.stale = false;
+        }
+        y.fill(0.0);
+        self.elements.add_tangent(-1.0, x, y);
+    }
+
+    /// Solves (m M + k K) x = rhs on the free unknowns.
+    fn solve_system(&mut self, m: f64, k: f64, rhs: &[f64], x: &mut [f64]) -> LinearReport {
+        let d = self.dimension;
+        if let Some(matrices) = &mut self.matrices {
+            let size = d * d;
+            for (s, value) in matrices.system.values_mut().iter_mut().zip(matrices.stiffness.values()) {
+                *s = k * value;
+            }
+            let values = matrices.system.values_mut();
+            for (node, &slot) in matrices.diagonal.iter().enumerate() {
+                for axis in 0..d {
+                    values[slot as usize * size + axis * (d + 1)] += m * self.mass[node * d + axis];
+                }
+            }
+        }
+        if self.solver.method.value == LinearMethod::Direct {
+            return self.solve_by_factors(rhs, x);
+        }
+        let options = CgOptions {
+            relative_tolerance: self.solver.tolerance,
+            absolute_tolerance: self.solver.absolute_tolerance,
+            max_iterations: self.solver.max_iterations as usize,
+        };
+        let preconditioner = match self.preconditioner() {
+            Ok(preconditioner) => preconditioner,
+            Err(report) => return report,
+        };
+        let mut workspace = std::mem::take(&mut self.workspace);
+        let mask = std::mem::take(&mut self.prescribed);
+        let projector = Mask { prescribed: &mask };
+        let report = if self.assembled_product() {
+            let matrices = self.matrices.as_ref().expect("an assembled product has its matrix");
+            let operator = Assembled { matrix: &matrices.system, threads: &self.threads, dimension: d };
+            cg(&operator, &*preconditioner, &projector, &Serial, rhs, x, &options, &mut workspace)
+        } else {
+            let operator = MatrixFree { system: RefCell::new(&mut *self), m, k };
+            cg(&operator, &*preconditioner, &projector, &Serial, rhs, x, &options, &mut workspace)
+        };
+        self.prescribed = mask;
+        self.workspace = workspace;
+        report
+    }
+
+    fn preconditioner(&mut self) -> Result<Box<dyn Preconditioner>, LinearReport> {
+        let d = self.dimension;
+        let Some(matrices) = &self.matrices else { return Ok(Box::new(Identity)) };
+        let blocks = || {
+            let mut blocks = vec![0.0; matrices.system.row_count() * d * d];
+            matrices.system.diagonal_blocks(&mut blocks);
+            blocks
+        };
+        Ok(match self.solver.preconditioner.value {
+            Choice::None => Box::new(Identity),
+            Choice::Jacobi => {
+                let blocks = blocks();
+                let diagonal: Vec<f64> =
+                    (0..self.mass.len()).map(|k| blocks[(k / d) * d * d + (k % d) * (d + 1)]).collect();
+                Box::new(Jacobi::new(&diagonal))
+            }
+            Choice::BlockJacobi => {
+                let mut blocks = blocks();
+                decouple(&mut blocks, &self.prescribed, d);
+                Box::new(BlockJacobi::new(d, &blocks))
+            }
+            Choice::IncompleteCholesky => {
+                let matrix = fixed_csr(&matrices.system, &self.prescribed);
+                let factors = match self.incomplete.take() {
+                    Some(mut known) => known.update(&matrix).map(|()| known),
+                    None => IncompleteCholesky::new(&matrix),
+                };
+                match factors {
+                    Ok(factors) => {
+                        self.incomplete = Some(factors.clone());
+                        Box::new(factors)
+                    }
+                    // A matrix that no shift makes positive: the diagonal blocks still precondition something.
+                    Err(_) => Box::new(BlockJacobi::new(d, &blocks())),
+                }
+            }
+        })
+    }
+
+    fn solve_by_factors(&mut self, rhs: &[f64], x: &mut [f64]) -> LinearReport {
+        let matrices = self.matrices.as_ref().expect("a direct solver has its matrix");
+        let matrix = fixed_csr(&matrices.system, &self.prescribed);
+        let solver = self.direct.get_or_insert_with(|| SkylineLdlt::analyse(&matrix));
+        let mut right = rhs.to_vec();
+        for (r, &p) in right.iter_mut().zip(&self.prescribed) {
+            if p {
+                *r = 0.0;
+            }
+        }
+        solve_directly(solver, &matrix, &right, x, &mut self.scratch)
+    }
+}
+
+/// The matrix with identity rows for prescribed unknowns.
+fn fixed_csr(matrix: &BlockCsr, prescribed: &[bool]) -> Csr {
+    let fixed: Vec<usize> = (0..prescribed.len()).filter(|&k| prescribed[k]).collect();
+    let mut csr = matrix.to_csr();
+    csr.fix_unknowns(&fixed);
+    csr
+}
+
+/// Makes prescribed axes of diagonal blocks independent of the free ones, so that their inverse acts on the free ones
+/// as the inverse of the free part.
+fn decouple(blocks: &mut [f64], prescribed: &[bool], d: usize) {
+    for (node, block) in blocks.chunks_mut(d * d).enumerate() {
+        for axis in (0..d).filter(|a| prescribed[node * d + a]) {
+            for other in (0..d).filter(|&o| o != axis) {
+                block[axis * d + other] = 0.0;
+                block[other * d + axis] = 0.0;
+            }
+        }
+    }
+}
+
+/// A factor of time: linear between keys, held outside, one without keys.
+fn factor_at(keys: &[(f64, f64)], t: f64) -> f64 {
+    let next = keys.partition_point(|k| k.0 <= t);
+    match (next.checked_sub(1).map(|k| keys[k]), keys.get(next)) {
+        (None, None) => 1.0,
+        (Some(last), None) => last.1,
+        (None, Some(first)) => first.1,
+        (Some(a), Some(b)) => a.1 + (b.1 - a.1) * (t - a.0) / (b.0 - a.0),
+    }
+}
+
+/// y ← A x, rows shared between threads.
+fn multiply(matrix: &BlockCsr, threads: &Threads, d: usize, x: &[f64], y: &mut [f64]) {
+    let rows = matrix.row_count();
+    if threads.count() == 1 || rows < 2048 {
+        matrix.multiply_rows(0..rows, x, y);
+        return;
+    }
+    let per_task = rows.div_ceil(4 * threads.count()).max(1);
+    let mut tasks: Vec<(usize, &mut [f64])> = y.chunks_mut(per_task * d).enumerate().collect();
+    threads.run(&mut tasks, |(task, y)| {
+        let first = *task * per_task;
+        matrix.multiply_rows(first..first + y.len() / d, x, y);
+    });
+}
+
+struct Mask<'a> {
+    prescribed: &'a [bool],
+}
+
+impl Projector for Mask<'_> {
+    fn project(&self, v: &mut [f64]) {
+        for (v, &p) in v.iter_mut().zip(self.prescribed) {
+            if p {
+                *v = 0.0;
+            }
+        }
+    }
+}
+
+struct Assembled<'a> {
+    matrix: &'a BlockCsr,
+    threads: &'a Threads,
+    dimension: usize,
+}
+
+impl LinearOperator for Assembled<'_> {
+    fn len(&self) -> usize {
+        self.matrix.row_count() * self.dimension
+    }
+
+    fn apply(&self, x: &[f64], y: &mut [f64]) {
+        multiply(self.matrix, self.threads, self.dimension, x, y);
+    }
+}
+
+/// `m M + k K` without a matrix. The elements keep scratch memory, hence the cell; nothing is shared between threads.
+struct MatrixFree<'a> {
+    system: RefCell<&'a mut System>,
+    m: f64,
+    k: f64,
+}
+
+impl LinearOperator for MatrixFree<'_> {
+    fn len(&self) -> usize {
+        self.system.borrow().mass.len()
+    }
+
+    fn apply(&self, x: &[f64], y: &mut [f64]) {
+        let mut system = self.system.borrow_mut();
+        system.stiffness(x, y);
+        for ((y, x), mass) in y.iter_mut().zip(x).zip(&system.mass) {
+            *y = self.k * *y + self.m * mass * x;
+        }
+    }
+}
+
+impl SecondOrder for System {
+    fn len(&self) -> usize {
+        self.mass.len()
+    }
+
+    fn force(&mut self, t: f64, u: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), Failure> {
+        self.unbalanced(t, u, out);
+        let [alpha, beta] = self.rayleigh;
+        if alpha != 0.0 {
+            for ((o, v), m) in out.iter_mut().zip(v).zip(&self.mass) {
+                *o -= alpha * m * v;
+            }
+        }
+        if beta != 0.0 {
+            self.elements.linearise(u);
+            self.stale = self.linearised != u;
+            self.elements.add_tangent(beta, v, out);
+        }
+        Ok(())
+    }
+
+    fn mass_apply(&mut self, x: &[f64], y: &mut [f64]) {
+        for ((y, x), m) in y.iter_mut().zip(x).zip(&self.mass) {
+            *y = m * x;
+        }
+    }
+
+    fn mass_solve(&mut self, rhs: &[f64], x: &mut [f64]) -> LinearReport {
+        for (k, x) in x.iter_mut().enumerate() {
+            *x = if self.prescribed[k] { 0.0 } else { rhs[k] / self.mass[k] };
+        }
+        LinearReport::direct(0.0)
+    }
+
+    fn linearise(&mut self, _t: f64, u: &[f64], _v: &[f64]) -> Result<(), Failure> {
+        self.linearise_at(u);
+        Ok(())
+    }
+
+    fn stiffness_apply(&mut self, x: &[f64], y: &mut [f64]) {
+        self.stiffness(x, y);
+    }
+
+    fn damping_apply(&mut self, x: &[f64], y: &mut [f64]) {
+        let [alpha, beta] = self.rayleigh;
+        if beta == 0.0 {
+            y.fill(0.0);
+        } else {
+            self.stiffness(x, y);
+        }
+        for ((y, x), m) in y.iter_mut().zip(x).zip(&self.mass) {
+            *y = beta * *y + alpha * m * x;
+        }
+    }
+
+    fn solve(&mut self, c: Combination, rhs: &[f64], x: &mut [f64]) -> LinearReport {
+        let [alpha, beta] = self.rayleigh;
+        self.solve_system(c.mass + c.damping * alpha, c.stiffness + c.damping * beta, rhs, x)
+    }
+
+    fn project(&self, v: &mut [f64]) {
+        Mask { prescribed: &self.prescribed }.project(v);
+    }
+
+    fn prescribe(&self, t: f64, u: &mut [f64], v: &mut [f64]) {
+        for (k, _) in self.prescribed.iter().enumerate().filter(|(_, p)| **p) {
+            u[k] = 0.0;
+            v[k] = 0.0;
+        }
+        for motion in &self.motions {
+            motion.prescribe(t, &self.nodes, self.dimension, u, v);
+        }
+    }
+
+    fn admissible(&mut self, t: f64, u: &[f64], _v: &[f64]) -> Result<(), Failure> {
+        match u.iter().position(|x| x.abs() > self.reach || !x.is_finite()) {
+            None => Ok(()),
+            Some(k) => Err(Failure::inadmissible(
+                Some(k),
+                format!(
+                    "node {} moved by {:.3e} m at t = {t} s, more than {:.3e} m, a thousand times the size of the bodies",
+                    k / self.dimension,
+                    u[k],
+                    self.reach
+                ),
+            )),
+        }
+    }
+}
+
+impl NewtonProblem for System {
+    fn len(&self) -> usize {
+        self.mass.len()
+    }
+
+    fn residual(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), Failure> {
+        self.unbalanced(self.load_time, x, out);
+        for (o, &p) in out.iter_mut().zip(&self.prescribed) {
+            *o = if p { 0.0 } else { -*o };
+        }
+        Ok(())
+    }
+
+    fn energy(&mut self, x: &[f64]) -> Result<Option<f64>, Failure> {
+        let mut external = std::mem::take(&mut self.scratch);
+        self.external(self.load_time, &mut external);
+        let work: f64 = external.iter().zip(x).map(|(f, u)| f * u).sum();
+        self.scratch = external;
+        Ok(Some(self.elements.energy(x) - work))
+    }
+
+    fn linearise(&mut self, x: &[f64]) -> Result<(), Failure> {
+        self.linearise_at(x);
+        Ok(())
+    }
+
+    fn solve_linear(&mut self, rhs: &[f64], dx: &mut [f64]) -> LinearReport {
+        self.solve_system(0.0, 1.0, rhs, dx)
+    }
+}
+
+impl LoadProblem for System {
+    fn set_load(&mut self, factor: f64, x: &mut [f64]) -> Result<(), Failure> {
+        let [start, end] = self.load_span;
+        self.load_time = start + factor * (end - start);
+        self.load_share = if self.raising { factor } else { 1.0 };
+        let mut unused = vec![0.0; x.len()];
+        self.prescribe(self.load_time, x, &mut unused);
+        Ok(())
+    }
+}
