@@ -48,7 +48,7 @@ pub struct Field {
     pub components: usize,
     /// Nodes or elements.
     pub location: Location,
-    /// [node or element][component], flat.
+    /// Flat: the components of the first node or element, then those of the next.
     pub values: Values,
 }
 

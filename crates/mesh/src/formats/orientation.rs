@@ -6,8 +6,8 @@
 //!
 //! This is no quality check: an element that is positive at one corner and negative at another keeps its order here.
 
-use crate::geometry::{cross, triple};
-use crate::reference::{corner_frames, edge_vectors, mirror};
+use crate::geometry::{cross, minus, triple};
+use crate::reference::{corner_frames, mirror};
 use souple_elements::Element;
 
 /// How to judge and turn the elements of one kind.
@@ -36,11 +36,12 @@ impl Orientation {
         for (corner, &node) in self.corners.iter_mut().zip(nodes) {
             *corner = positions[node as usize];
         }
+        let corners = &self.corners;
         let determinant = |(corner, ends): &(u8, Vec<u8>)| {
-            let edges = edge_vectors(&self.corners, *corner, ends);
+            let edge = |k: usize| minus(corners[ends[k] as usize], corners[*corner as usize]);
             match self.dimension {
-                2 => cross(edges[0], edges[1])[2],
-                3 => triple(edges[0], edges[1], edges[2]),
+                2 => cross(edge(0), edge(1))[2],
+                3 => triple(edge(0), edge(1), edge(2)),
                 _ => 0.0,
             }
         };

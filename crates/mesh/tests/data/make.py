@@ -111,6 +111,16 @@ def gmsh_files():
     gmsh.model.mesh.partition(2)
     write_gmsh("box-gmsh41-partitioned-text", 4.1, 0)
     write_gmsh("box-gmsh41-partitioned-binary", 4.1, 1)
+    gmsh.model.remove()
+    # The same geometry with quadratic tetrahedra, in the other formats that Gmsh writes.
+    gmsh.model.add("quadratic")
+    gmsh.model.occ.addBox(0, 0, 0, 1, 1, 1)
+    gmsh.model.occ.synchronize()
+    gmsh.model.mesh.generate(3)
+    gmsh.model.mesh.setOrder(2)
+    gmsh.write("quadratic-gmsh.mesh")
+    gmsh.write("quadratic-gmsh.inp")
+    gmsh.write("quadratic-gmsh.vtk")
     gmsh.finalize()
 
 

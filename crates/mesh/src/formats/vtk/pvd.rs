@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 /// One step of a time series.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PvdEntry {
-    /// Time [s].
+    /// Time in seconds.
     pub time: f64,
     /// File of that time, relative to the PVD file.
     pub file: String,

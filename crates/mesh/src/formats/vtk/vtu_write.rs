@@ -26,7 +26,7 @@ pub struct VtuOptions {
     pub encoding: VtuEncoding,
     /// Type of six-node wedges.
     pub wedge: VtkWedge,
-    /// Time that the file shows [s].
+    /// Time that the file shows, in seconds.
     pub time: Option<f64>,
 }
 
