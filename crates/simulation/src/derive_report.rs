@@ -3,9 +3,11 @@
 //! Nothing is derived here ([`souple_operators::derive()`] does), nothing is printed: everything is a value or a text.
 //! The teaching view, from shape functions to forces, is [`latex`].
 
+mod explanation;
 mod latex;
 mod typeset;
 
+pub use explanation::explanation;
 pub use latex::latex;
 pub use souple_forms::Loops;
 pub use souple_operators::{Association, Derived, derive};

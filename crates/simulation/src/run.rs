@@ -18,6 +18,7 @@ use souple_solver::newton::LineSearch;
 use souple_solver::quasi_static::{QuasiStaticOptions, QuasiStaticStatus, quasi_static};
 use souple_solver::rest::{Rest, RestMonitor};
 use souple_solver::step::{State, StepOptions, StepStatus, StepWorkspace, WarmStart, step};
+use souple_solver::vector::norm;
 use souple_solver::{LanczosOptions, Method, NewtonOptions, StepBound, critical_step};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -333,12 +334,21 @@ impl Simulation {
         self.system.load_span = [start, start + h];
         self.system.raising = self.steps == 0;
         let first = 1.0 / f64::from(integrator.load_steps);
+        // A step that changes nothing starts balanced: its residual is measured against the forces in play, reactions
+        // included, and not against itself.
+        let mut forces = vec![0.0; self.state.u.len()];
+        self.system.external(start + h, &mut forces);
+        let external = norm(&forces);
+        forces.fill(0.0);
+        self.system.elements.add_force(&self.state.u, &mut forces);
+        let in_play = external.max(norm(&forces));
         let options = QuasiStaticOptions {
             initial_step: first,
             max_step: first,
             min_step: first * 1e-4,
             newton: NewtonOptions {
                 relative_tolerance: integrator.newton_tolerance,
+                absolute_tolerance: integrator.newton_tolerance * in_play,
                 max_iterations: integrator.newton_iterations as usize,
                 line_search: line_search(integrator.line_search),
                 ..NewtonOptions::default()

@@ -179,7 +179,8 @@ fn letters(formula: &str) -> Vec<char> {
     let characters: Vec<char> = formula.chars().collect();
     let alone = |k: usize| {
         let letter = |c: Option<&char>| c.is_some_and(|c| c.is_ascii_alphabetic());
-        !letter(characters.get(k + 1)) && !(k > 0 && letter(characters.get(k - 1)))
+        let before = k.checked_sub(1).and_then(|before| characters.get(before));
+        !letter(before) && !letter(characters.get(k + 1))
     };
     // FᵀF is a product of names: a raised T separates, as any character that is no letter does.
     (0..characters.len()).filter(|&k| alone(k)).map(|k| characters[k]).collect()
