@@ -98,19 +98,53 @@ impl<'g> Kinematics<'g> {
         self.graph.linear(&[(half, squared), (-half, quadratic)])
     }
 
-    /// Isochoric first invariant Ī₁ = J^(−2/3) I₁.
+    /// Third invariant I₃ = det C = J².
+    pub fn I3(&mut self) -> Expr {
+        let j = self.J();
+        self.graph.powi(j, 2)
+    }
+
+    /// Isochoric first invariant Ī₁ = J^(−2/3) I₁; for J > 0 only.
     pub fn I1bar(&mut self) -> Expr {
         let (j, i1) = (self.J(), self.I1());
         let exponent = self.graph.rational(-2, 3);
         let scale = self.graph.pow(j, exponent);
-        self.graph.mul(scale, i1)
+        // The name keeps powers of it powers of one number, and readers see what a law is written in.
+        let value = self.graph.mul(scale, i1);
+        self.graph.named("I1bar", value)
     }
 
-    /// Isochoric second invariant Ī₂ = J^(−4/3) I₂.
+    /// Isochoric second invariant Ī₂ = J^(−4/3) I₂; for J > 0 only.
     pub fn I2bar(&mut self) -> Expr {
         let (j, i2) = (self.J(), self.I2());
-        let exponent = self.graph.rational(-4, 3);
+        let exponent = self.graph.rational(-2, 3);
+        // The square of the power that Ī₁ has: one power for both.
         let scale = self.graph.pow(j, exponent);
-        self.graph.mul(scale, i2)
+        let value = self.graph.scaled_powers(Number::ONE, &[(scale, 2), (i2, 1)]);
+        self.graph.named("I2bar", value)
+    }
+
+    /// Volumetric energy κ/2 (J − 1)² from `bulk`.
+    pub fn volumetric(&mut self) -> Expr {
+        let (bulk, j) = (self.parameter("bulk"), self.J());
+        let one = self.graph.int(1);
+        let change = self.graph.sub(j, one);
+        self.graph.scaled_powers(Number::rational(1, 2), &[(bulk, 1), (change, 2)])
+    }
+
+    /// The direction given by the parameters `name_x`, `name_y`, `name_z`, made a unit vector.
+    pub fn unit_vector(&mut self, name: &str) -> [Expr; 3] {
+        let given = ["x", "y", "z"].map(|axis| self.parameter(&format!("{name}_{axis}")));
+        let squares = given.map(|component| self.graph.powi(component, 2));
+        let squared = self.graph.sum(&squares);
+        let length = self.graph.sqrt(squared);
+        given.map(|component| self.graph.div(component, length))
+    }
+
+    /// `a·M a` of a symmetric matrix.
+    pub fn quadratic_form(graph: &mut Graph, matrix: &Matrix, a: &[Expr; 3]) -> Expr {
+        let image = matrix.apply(graph, a);
+        let terms: Vec<Expr> = a.iter().zip(image).map(|(&x, y)| graph.mul(x, y)).collect();
+        graph.sum(&terms)
     }
 }

@@ -5,15 +5,18 @@
 
 mod kinematics;
 mod parameter;
+pub mod response;
 
 pub use kinematics::Kinematics;
-pub use parameter::{Bound, ISOTROPIC, POISSON, Parameter, YOUNG, lame_from_young_poisson};
+pub use parameter::{BULK, Bound, ISOTROPIC, POISSON, Parameter, YOUNG, lame_from_young_poisson};
+pub use response::Response;
 use souple_symbols::Expr;
+use std::fmt;
 
 include!(concat!(env!("OUT_DIR"), "/scanned.rs"));
 
 /// A constitutive law.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Law {
     /// The id used in scenes and commands (`"stvk"`).
     pub id: &'static str,
@@ -30,7 +33,18 @@ pub struct Law {
     /// Whether a superposed rotation leaves the energy unchanged; false for small-strain laws.
     pub objective: bool,
     /// Energy per reference volume, in J/m³.
-    pub energy: fn(&mut Kinematics<'_>) -> Expr,
+    pub energy: &'static Energy,
+}
+
+/// Writes an energy density into the graph of the given measures of deformation: a function of a law file, or one that
+/// walks the text of a user law. Equal measures must give equal expressions.
+pub type Energy = dyn Fn(&mut Kinematics<'_>) -> Expr + Send + Sync;
+
+impl fmt::Debug for Law {
+    /// The id alone: it names the law.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Law({})", self.id)
+    }
 }
 
 /// Every law, sorted by id.

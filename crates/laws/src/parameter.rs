@@ -65,6 +65,16 @@ pub const POISSON: Parameter = Parameter {
     about: "Poisson's ratio: lateral contraction over axial extension of that bar; 0.5 would be incompressible",
 };
 
+/// Bulk modulus of a volumetric energy κ/2 (J − 1)².
+pub const BULK: Parameter = Parameter {
+    name: "bulk",
+    unit: "Pa",
+    minimum: Bound::Open(0.0),
+    maximum: Bound::None,
+    default: None,
+    about: "bulk modulus κ: pressure over relative loss of volume",
+};
+
 /// The parameters of an isotropic law that agrees with Hooke's at small strain.
 pub const ISOTROPIC: [Parameter; 2] = [YOUNG, POISSON];
 

@@ -12,7 +12,7 @@ pub const LAW: Law = Law {
     references: &["Faure, Approche formelle pour la simulation interactive de modèles mixtes (2014), section 2.2"],
     parameters: &ISOTROPIC,
     objective: false,
-    energy,
+    energy: &energy,
 };
 
 fn energy(k: &mut Kinematics<'_>) -> Expr {

@@ -12,7 +12,7 @@ pub const LAW: Law = Law {
     references: &["Faure, Approche formelle pour la simulation interactive de modèles mixtes (2014), section 2.2"],
     parameters: &ISOTROPIC,
     objective: true,
-    energy,
+    energy: &energy,
 };
 
 #[expect(non_snake_case, reason = "docs/notation.md: E is the Green–Lagrange strain")]
