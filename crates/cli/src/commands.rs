@@ -1,0 +1,7 @@
+//! The commands, one module each: `Arguments` and `run`.
+
+pub(crate) mod check;
+pub(crate) mod derive;
+pub(crate) mod list;
+pub(crate) mod mesh;
+pub(crate) mod run;

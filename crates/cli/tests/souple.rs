@@ -1,0 +1,18 @@
+//! The `souple` command as a person or a script meets it: arguments in; texts, JSON, files and exit codes out.
+//!
+//! Each file of this folder's `souple/` is about one command.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps says with its line number what it expected")]
+
+#[path = "souple/bad_input.rs"]
+mod bad_input;
+#[path = "souple/command.rs"]
+mod command;
+#[path = "souple/derive.rs"]
+mod derive;
+#[path = "souple/list.rs"]
+mod list;
+#[path = "souple/mesh.rs"]
+mod mesh;
+#[path = "souple/run.rs"]
+mod run;
