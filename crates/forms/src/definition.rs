@@ -331,26 +331,35 @@ fn complete_blocks(g: &mut Graph, terms: Vec<Expr>, n: usize, d: usize, differen
 
 /// Lumped masses: ∫ρN_a where these are positive on the reference element, else ∫ρN_a² scaled to the element's mass
 /// (Hinton, Rock and Zienkiewicz 1976).
+///
+/// A rule without a point off some node's zeros (the one point in the middle of a quad9) sees no mass there at all: it
+/// gives the element's mass, and the shares are then those of ∫N_a² on the reference element with the richest rule.
 fn lump(g: &mut Graph, element: &Element, rule: &Rule, mass: &[Expr], squares: &[Expr]) -> Vec<Expr> {
     let mut reference = Graph::new();
     let xi = ["xi", "eta", "zeta"].map(|name| reference.symbol(name, Time::Derive));
     let shape = (element.shape)(&mut reference, xi);
-    let positive = shape.iter().all(|&s| {
-        let integral: f64 = rule
-            .points
-            .iter()
-            .zip(&rule.weights)
-            .map(|(p, w)| {
-                let symbols: Vec<(Expr, f64)> = xi.into_iter().zip(*p).collect();
-                w * reference.evaluate(&[s], &symbols)[0]
-            })
-            .sum();
-        integral > 1e-6 * element.family.reference_measure()
-    });
-    if positive {
+    // ∫N_a^power on the reference element.
+    let integrals = |rule: &Rule, power: i32| -> Vec<f64> {
+        let mut sums = vec![0.0; shape.len()];
+        for (p, w) in rule.points.iter().zip(&rule.weights) {
+            let symbols: Vec<(Expr, f64)> = xi.into_iter().zip(*p).collect();
+            let values = reference.evaluate(&shape, &symbols);
+            sums.iter_mut().zip(values).for_each(|(s, v)| *s += w * v.powi(power));
+        }
+        sums
+    };
+    let positive = |values: &[f64]| values.iter().all(|&v| v > 1e-6 * element.family.reference_measure());
+    if positive(&integrals(rule, 1)) {
         return mass.to_vec();
     }
     let total = g.sum(mass);
-    let scale = g.sum(squares);
-    squares.iter().map(|&s| g.scaled_powers(Number::ONE, &[(s, 1), (total, 1), (scale, -1)])).collect()
+    if positive(&integrals(rule, 2)) {
+        let scale = g.sum(squares);
+        return squares.iter().map(|&s| g.scaled_powers(Number::ONE, &[(s, 1), (total, 1), (scale, -1)])).collect();
+    }
+    let listed = element.quadratures.iter().filter_map(|id| Rule::by_id(id));
+    let richest = listed.max_by_key(|r| r.points.len()).unwrap_or(rule);
+    let shares = integrals(richest, 2);
+    let sum: f64 = shares.iter().sum();
+    shares.iter().map(|s| g.scale(Number::from_f64(s / sum), total)).collect()
 }
