@@ -35,7 +35,7 @@ pub fn latex(derived: &Derived) -> String {
         format!("\\section*{{References}}\n\\begin{{itemize}}\n{}\\end{{itemize}}\n", references.concat())
     };
     format!(
-        "\\documentclass[9pt]{{extarticle}}\n\
+        "\\documentclass[10pt]{{article}}\n\
          \\usepackage[utf8]{{inputenc}}\n\
          \\usepackage[T1]{{fontenc}}\n\
          \\usepackage[a3paper,landscape,margin=15mm]{{geometry}}\n\

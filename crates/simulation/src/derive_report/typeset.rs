@@ -21,8 +21,29 @@ pub(super) fn formula(text: &str) -> String {
             word.push(c);
             continue;
         }
+        // `c10` is a name with an index, `λ_m` too, and `^( … )` raises all of its bracket.
+        let index = word.len() == 1 && c.is_ascii_digit();
         flush(&mut out, &mut word);
-        if let Some(first) = raised(c) {
+        if index || (c == '_' && characters.peek().is_some_and(|n| n.is_alphanumeric())) {
+            let mut low = if index { c.to_string() } else { String::new() };
+            while let Some(next) =
+                characters.next_if(|n| if index { n.is_ascii_digit() } else { n.is_ascii_alphanumeric() })
+            {
+                low.push(next);
+            }
+            out.push_str(&format!("_{{{low}}}"));
+        } else if c == '^' && characters.peek() == Some(&'(') {
+            characters.next();
+            let mut depth = 1;
+            let inside: String = characters
+                .by_ref()
+                .take_while(|n| {
+                    depth += i32::from(*n == '(') - i32::from(*n == ')');
+                    depth > 0
+                })
+                .collect();
+            out.push_str(&format!("^{{{}}}", formula(&inside)));
+        } else if let Some(first) = raised(c) {
             let mut digits = first.to_owned();
             while let Some(next) = characters.peek().copied().and_then(raised) {
                 digits.push_str(next);
@@ -282,6 +303,7 @@ mod tests {
         assert_eq!(formula("J⁻²"), "J^{-2}");
         assert_eq!(formula("FᵀF − I₁"), "F^{\\mathsf{T}}F - I_{1}");
         assert_eq!(formula("ln J"), "\\ln  J");
+        assert_eq!(formula("c10 λ_m^(2i−2) E_f"), "c_{10} \\lambda _{m}^{2i-2} E_{f}");
         assert_eq!(formula("☃"), "\\mathrm{U2603}");
     }
 
