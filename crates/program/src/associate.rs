@@ -134,6 +134,11 @@ pub fn associate(g: &Graph, roots: &[Expr]) -> (Dag, Vec<Ref>) {
                     Function::Ln => Operation::Ln(refs[0]),
                     Function::Exp => Operation::Exp(refs[0]),
                     Function::Pow => Operation::Pow(refs[0], refs[1]),
+                    Function::RootSum => {
+                        let root = builder.root_sum(refs[0], refs[1], refs[2]);
+                        builder.built.insert(e, (false, root));
+                        continue;
+                    }
                 };
                 (false, builder.dag.add(operation))
             }
@@ -272,7 +277,43 @@ struct Builder {
     term_refs: HashMap<usize, (bool, Ref)>,
 }
 
+/// Newton steps for [`Function::RootSum`]: nine reach the last bit from ratios of the roots up to a hundred, and what a
+/// step adds beyond that is rounding.
+const ROOT_SUM_STEPS: usize = 9;
+
 impl Builder {
+    /// The largest root s of s⁴ − 2a s² − 8c s + a² − 4b by Newton's method from √(3a), written out.
+    ///
+    /// Why not an operation of its own: it would be one more for every backend, for what arithmetic says as well.
+    fn root_sum(&mut self, a: Ref, b: Ref, c: Ref) -> Ref {
+        use Operation::{Add, Mul, Recip, Sqrt, Sub};
+        let dag = &mut self.dag;
+        let [two, three, four, eight] = [2.0, 3.0, 4.0, 8.0].map(|x| dag.constant(x));
+        let tripled = dag.add(Mul(a, three));
+        let mut s = dag.add(Sqrt(tripled));
+        let squared = dag.add(Mul(a, a));
+        let fourfold = dag.add(Mul(b, four));
+        let constant = dag.add(Sub(squared, fourfold));
+        let eightfold = dag.add(Mul(c, eight));
+        let doubled = dag.add(Mul(c, two));
+        for _ in 0..ROOT_SUM_STEPS {
+            let square = dag.add(Mul(s, s));
+            let rest = dag.add(Sub(square, a));
+            let inner = dag.add(Sub(rest, a));
+            let cubic = dag.add(Mul(inner, s));
+            let shifted = dag.add(Sub(cubic, eightfold));
+            let quartic = dag.add(Mul(shifted, s));
+            let value = dag.add(Add(quartic, constant));
+            let cube = dag.add(Mul(rest, s));
+            let slope = dag.add(Sub(cube, doubled));
+            let steep = dag.add(Mul(slope, four));
+            let inverse = dag.add(Recip(steep));
+            let step = dag.add(Mul(value, inverse));
+            s = dag.add(Sub(s, step));
+        }
+        s
+    }
+
     fn positive(&mut self, e: Expr) -> Ref {
         let (negative, r) = self.built[&e];
         if negative { self.dag.add(Operation::Neg(r)) } else { r }

@@ -131,6 +131,21 @@ impl Graph {
                     Function::Sqrt => vec![(a, self.scaled_powers(Number::rational(1, 2), &[(e, -1)]))],
                     Function::Ln => vec![(a, self.powi(a, -1))],
                     Function::Exp => vec![(a, e)],
+                    Function::RootSum => {
+                        // By the implicit function theorem on s⁴ − 2a s² − 8c s + a² − 4b = 0:
+                        // (s³ − a s − 2c) ds = ½(s² − a) da + db + 2s dc.
+                        let (b, c) = (operands[1], operands[2]);
+                        let (cube, square) = (self.powi(e, 3), self.powi(e, 2));
+                        let linear = self.mul(a, e);
+                        let two = Number::Rational(2, 1);
+                        let slope = self.linear(&[(Number::ONE, cube), (Number::MINUS_ONE, linear), (-two, c)]);
+                        let rest = self.sub(square, a);
+                        vec![
+                            (a, self.scaled_powers(Number::rational(1, 2), &[(rest, 1), (slope, -1)])),
+                            (b, self.powi(slope, -1)),
+                            (c, self.scaled_powers(two, &[(e, 1), (slope, -1)])),
+                        ]
+                    }
                     Function::Pow => {
                         // d(a^b) = b a^b / a da + a^b ln a db; written with the power itself so that it is shared.
                         let b = operands[1];
@@ -194,6 +209,29 @@ mod tests {
         assert_eq!(g.evaluate(&[total, d], &[(x, 0.5)]), vec![38.0 / 4.0, 38.0]);
         let along = g.derivative(total, x);
         assert_eq!(g.evaluate(&[along], &[(x, 0.5)]), vec![38.0]);
+    }
+
+    /// The sum of roots and its first and second derivatives against the roots themselves.
+    #[test]
+    fn root_sums_follow_their_roots() {
+        let mut g = Graph::new();
+        let r: Vec<_> = (0..3).map(|k| g.symbol(format!("r{k}"), Time::Step)).collect();
+        let squares: Vec<_> = r.iter().map(|&x| g.powi(x, 2)).collect();
+        let a = g.sum(&squares);
+        let pairs: Vec<_> = (0..3).map(|k| g.mul(squares[k], squares[(k + 1) % 3])).collect();
+        let b = g.sum(&pairs);
+        let c = g.product(&r);
+        let s = g.function(crate::Function::RootSum, &[a, b, c]);
+        let gradient = g.gradient(s, &r);
+        let second: Vec<_> = gradient.iter().map(|&d| g.derivative(d, r[0])).collect();
+        for values in [[1.0, 1.0, 1.0], [2.0, 0.5, 1.1], [9.0, 0.2, 0.1], [1.3, 1.3, -0.4]] {
+            let at: Vec<_> = r.iter().copied().zip(values).collect();
+            let sum: f64 = values.iter().sum();
+            assert!((g.evaluate(&[s], &at)[0] - sum).abs() < 1e-13 * sum, "{values:?}");
+            // The sum is linear in the roots: its gradient is one, its second derivatives vanish.
+            assert!(g.evaluate(&gradient, &at).iter().all(|d| (d - 1.0).abs() < 1e-10), "{values:?}");
+            assert!(g.evaluate(&second, &at).iter().all(|d| d.abs() < 1e-8), "{values:?}");
+        }
     }
 
     proptest! {

@@ -48,6 +48,7 @@ impl Graph {
                             Function::Ln => a.ln(),
                             Function::Exp => a.exp(),
                             Function::Pow => a.powf(of(operands[1], q)),
+                            Function::RootSum => root_sum(a, of(operands[1], q), of(operands[2], q)),
                         }
                     }
                     Node::Named(_, o) => of(*o, q),
@@ -62,4 +63,20 @@ impl Graph {
         }
         roots.iter().map(|r| values[r].clone()).collect()
     }
+}
+
+/// Newton's method on s⁴ − 2a s² − 8c s + a² − 4b from above its largest root: √(3a), by the Cauchy–Schwarz inequality.
+/// All roots are real, so the iterates fall monotonically.
+fn root_sum(a: f64, b: f64, c: f64) -> f64 {
+    let mut s = (3.0 * a).sqrt();
+    for _ in 0..60 {
+        let value = ((s * s - 2.0 * a) * s - 8.0 * c) * s + a * a - 4.0 * b;
+        let slope = 4.0 * ((s * s - a) * s - 2.0 * c);
+        let next = s - value / slope;
+        if !(next < s) {
+            break;
+        }
+        s = next;
+    }
+    s
 }

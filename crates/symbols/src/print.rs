@@ -178,6 +178,13 @@ impl Printer<'_> {
             (Style::Text, Function::Sqrt) => format!("sqrt({a})"),
             (Style::Text, Function::Ln) => format!("ln({a})"),
             (Style::Text, Function::Exp) => format!("exp({a})"),
+            (Style::Text, Function::RootSum) => {
+                format!("rootsum({a}, {}, {})", self.print(operands[1], 0), self.print(operands[2], 0))
+            }
+            (Style::Latex, Function::RootSum) => {
+                let (b, c) = (self.print(operands[1], 0), self.print(operands[2], 0));
+                format!("\\sigma_{{\\Sigma}}\\left({a},\\,{b},\\,{c}\\right)")
+            }
             (Style::Text, Function::Pow) => format!("pow({a}, {})", self.print(operands[1], 0)),
             (Style::Latex, Function::Sqrt) => format!("\\sqrt{{{a}}}"),
             (Style::Latex, Function::Ln) => format!("\\ln\\left({a}\\right)"),
