@@ -227,7 +227,9 @@ impl Simulation {
             }
             lists.push((0..count).map(|_| next()).collect::<Result<_, _>>()?);
         }
-        if lists[0].len() != len as usize || lists[1].len() != len as usize {
+        let whole = |list: &Vec<f64>| list.len() == len as usize;
+        let fits = |list: &Vec<f64>| list.is_empty() || whole(list);
+        if !lists[..2].iter().all(whole) || !lists[2..].iter().all(fits) || lists[4].len() != lists[5].len() {
             return Err(refuse("it is damaged"));
         }
         let mut lists = lists.into_iter();
@@ -238,6 +240,7 @@ impl Simulation {
         self.state.t = t;
         self.steps = steps as u64;
         self.ending = None;
+        self.skip_written_outputs();
         Ok(())
     }
 }

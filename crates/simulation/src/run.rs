@@ -256,16 +256,10 @@ impl Simulation {
             self.steps += 1;
             self.settle();
         }
-        let due = match &self.scene.output.every {
-            None => self.ending.is_some(),
-            Some(every) => {
-                let due = self.state.t >= self.next_output as f64 * every.value - 1e-9 * self.scene.time.step.value;
-                while self.state.t >= self.next_output as f64 * every.value - 1e-9 * self.scene.time.step.value {
-                    self.next_output += 1;
-                }
-                due || self.ending.is_some()
-            }
-        };
+        let due = self.skip_written_outputs() || self.ending.is_some();
+        if self.ending == Some(Ending::Finished) || self.ending == Some(Ending::AtRest) {
+            warnings.extend(self.inverted());
+        }
         Ok(Progress {
             step: self.steps,
             time: self.state.t,
@@ -275,6 +269,30 @@ impl Simulation {
             output_due: due,
             warnings,
         })
+    }
+
+    /// Moves on to the next time at which the scene wants output; whether one was passed.
+    pub(crate) fn skip_written_outputs(&mut self) -> bool {
+        let Some(every) = &self.scene.output.every else { return false };
+        let now = self.state.t + 1e-9 * self.scene.time.step.value;
+        let mut passed = false;
+        while now >= self.next_output as f64 * every.value {
+            self.next_output += 1;
+            passed = true;
+        }
+        passed
+    }
+
+    /// A warning when elements are inside out in the present state: an equilibrium of numbers, not of matter.
+    fn inverted(&mut self) -> Option<String> {
+        let crushed = self.system.elements.crushed(&self.state.u, 0.0);
+        let (id, ratio) = *crushed.first()?;
+        Some(format!(
+            "{} elements are inverted, the worst being {} (volume ratio {ratio:.3}): this state is not physical; \
+             use a smaller load or step, a finer mesh, or a law that resists compression",
+            crushed.len(),
+            self.prepared.describe_element(id)
+        ))
     }
 
     /// Kinetic energy of all nodes in J.

@@ -1,5 +1,6 @@
 //! Promises of a simulation, whatever the scene: the same bits for any number of threads, checkpoints that continue
 //! bit for bit, energy that stays, steps that are refused, failures that name what failed.
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on says where")]
 
 use souple_simulation::{Ending, ProbeValue, RunOptions, Simulation};
 

@@ -3,6 +3,7 @@
 //!
 //! Out of scope: the last refinement (96 × 16 × 16 cells) takes minutes; `docs/validation.md` records it. Here the two
 //! coarser ones and a bound are checked.
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on says where")]
 
 use souple_simulation::{ProbeValue, RunOptions, Simulation};
 use std::path::Path;

@@ -2,6 +2,7 @@
 //! agrees with an independent solver (CalculiX 2.20) to the digits that it prints.
 //!
 //! Out of scope: how good the elements are; the meshes are coarse on purpose.
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on says where")]
 
 use souple_simulation::{RunOptions, Simulation};
 use std::path::Path;

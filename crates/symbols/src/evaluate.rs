@@ -73,10 +73,12 @@ fn root_sum(a: f64, b: f64, c: f64) -> f64 {
         let value = ((s * s - 2.0 * a) * s - 8.0 * c) * s + a * a - 4.0 * b;
         let slope = 4.0 * ((s * s - a) * s - 2.0 * c);
         let next = s - value / slope;
-        if !(next < s) {
-            break;
+        // Falling stops at rounding; a NaN stops at once.
+        if next < s {
+            s = next;
+        } else {
+            return next.min(s);
         }
-        s = next;
     }
     s
 }

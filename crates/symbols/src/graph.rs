@@ -68,6 +68,11 @@ pub enum Node {
     Named(u32, Expr),
 }
 
+/// A summand: coefficient and node.
+type Term = (Number, Expr);
+/// A factor: node and exponent.
+type Power = (Expr, i32);
+
 #[derive(Clone, Copy, Debug)]
 struct Facts {
     time: Time,
@@ -377,7 +382,7 @@ impl Graph {
     }
 
     /// Factors that all terms share, and the terms without them.
-    fn common_factors(&mut self, terms: &[(Number, Expr)]) -> Option<(Vec<(Expr, i32)>, Vec<(Number, Expr)>)> {
+    fn common_factors(&mut self, terms: &[Term]) -> Option<(Vec<Power>, Vec<Term>)> {
         let powers = |g: &Graph, e: Expr| -> Vec<(Expr, i32)> {
             match g.node(e) {
                 Node::Product(_, factors) => factors.to_vec(),
