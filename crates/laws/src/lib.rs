@@ -2,10 +2,14 @@
 //!
 //! A law is one file in `src/laws/`: its parameters and its energy density, written once as an expression of the
 //! deformation. Stresses and tangents are derived, never written. The folder is scanned by `build.rs`.
+//! Laws can also be read from text ([`user`]), and every law can be looked at with numbers ([`Response`]), judged and
+//! drawn ([`check`]).
 
+pub mod check;
 mod kinematics;
 mod parameter;
 pub mod response;
+pub mod user;
 
 pub use kinematics::Kinematics;
 pub use parameter::{BULK, Bound, ISOTROPIC, POISSON, Parameter, YOUNG, lame_from_young_poisson};

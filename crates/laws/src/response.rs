@@ -25,6 +25,9 @@ pub struct Response {
     tangent: Vec<Expr>,
 }
 
+/// As [`Energy`](crate::Energy), for as long as it is looked at.
+pub type EnergyRef<'e> = &'e (dyn Fn(&mut Kinematics<'_>) -> Expr + 'e);
+
 /// The parameters do not fit the law.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("law `{law}` takes {} parameters ({}), found {found}", expected.len(), expected.join(", "))]
@@ -45,21 +48,27 @@ impl Response {
             let expected = law.parameters.iter().map(|p| p.name).collect();
             return Err(WrongParameterCount { law: law.id, expected, found: parameters.len() });
         }
+        let named = law.parameters.iter().map(|p| p.name.to_owned()).zip(parameters.iter().copied());
+        Ok(Response::from_energy(law.energy, &named.collect::<Vec<_>>()))
+    }
+
+    /// An energy with the parameters (name, value) that it asks for.
+    pub fn from_energy(energy: EnergyRef<'_>, parameters: &[(String, f64)]) -> Response {
         let mut graph = Graph::new();
         let g = &mut graph;
         let variables: Vec<Expr> = (0..9).map(|k| g.symbol(format!("H{}{}", k / 3, k % 3), Time::Step)).collect();
         let named: Vec<(String, Expr)> =
-            law.parameters.iter().map(|p| (p.name.to_owned(), g.symbol(p.name, Time::Setup))).collect();
-        let values = named.iter().map(|p| p.1).zip(parameters.iter().copied()).collect();
+            parameters.iter().map(|p| (p.0.clone(), g.symbol(p.0.as_str(), Time::Setup))).collect();
+        let values = named.iter().zip(parameters).map(|(symbol, given)| (symbol.1, given.1)).collect();
         let gradient = Matrix::from_fn(3, |i, j| variables[3 * i + j]);
-        let energy = (law.energy)(&mut Kinematics::new(g, gradient, named));
+        let energy = energy(&mut Kinematics::new(g, gradient, named));
         let stress = g.gradient(energy, &variables);
         let one = g.int(1);
         let mut tangent = Vec::with_capacity(45);
         for (k, &variable) in variables.iter().enumerate() {
             tangent.extend(g.directional(&stress[k..], &[(variable, one)]));
         }
-        Ok(Response { graph, variables, parameters: values, energy, stress, tangent })
+        Response { graph, variables, parameters: values, energy, stress, tangent }
     }
 
     /// Energy density ψ in J/m³ at the deformation gradient `f`.
