@@ -193,10 +193,14 @@ impl BlockCsr {
             let mut sum = [0.0; B];
             for (block, &column) in blocks[slots.clone()].iter().zip(&self.columns[slots]) {
                 let x = &x[column as usize];
+                // The product first, then one addition to the sum: the chain of additions that must wait for each
+                // other is B times shorter.
                 for i in 0..B {
-                    for j in 0..B {
-                        sum[i] += block[i][j] * x[j];
+                    let mut product = block[i][0] * x[0];
+                    for j in 1..B {
+                        product += block[i][j] * x[j];
                     }
+                    sum[i] += product;
                 }
             }
             *y = sum;
