@@ -64,8 +64,7 @@ fn model(threads: usize) -> (Elements, Masses) {
 fn bits(threads: usize) -> Vec<(&'static str, Vec<u64>)> {
     let (mut elements, masses) = model(threads);
     let mut random = Random::new(32);
-    let mut vector =
-        |size: f64| -> Vec<f64> { (0..elements.len()).map(|_| random.between(-size, size)).collect() };
+    let mut vector = |size: f64| -> Vec<f64> { (0..elements.len()).map(|_| random.between(-size, size)).collect() };
     let (u, v) = (vector(0.05), vector(1.0));
     let mut force = vec![0.0; u.len()];
     elements.add_force(&u, &mut force);
@@ -105,8 +104,7 @@ fn the_number_of_threads_changes_no_bit() {
 fn assembled_and_matrix_free_products_agree_on_a_mixed_model() {
     let (mut elements, _) = model(2);
     let mut random = Random::new(33);
-    let mut vector =
-        |size: f64| -> Vec<f64> { (0..elements.len()).map(|_| random.between(-size, size)).collect() };
+    let mut vector = |size: f64| -> Vec<f64> { (0..elements.len()).map(|_| random.between(-size, size)).collect() };
     let (u, v) = (vector(0.05), vector(1.0));
     elements.linearise(&u);
     let mut product = vec![0.0; u.len()];

@@ -2,15 +2,17 @@
 
 use crate::sample::{Sample, assert_close, dot, each, largest};
 
-/// Forces of a body that is only moved along are exactly zero: differences of displacements are taken first.
+/// Forces of a body that is only moved along are those at rest to the last bit, whose only value is the rounding of
+/// the law: differences of displacements are taken first.
 #[test]
 fn translations_give_no_force() {
     each(|sample| {
         let d = sample.dimension();
         let shift: Vec<f64> = (0..d).map(|_| sample.random.between(-3.0, 3.0)).collect();
         let u: Vec<f64> = (0..sample.elements.len()).map(|k| shift[k % d]).collect();
-        let f = sample.force(&u);
-        assert!(f.iter().all(|&f| f == 0.0), "{}: {:e}", sample.name(), largest(&f));
+        let (moved, rest) = (sample.force(&u), sample.force(&vec![0.0; u.len()]));
+        assert_eq!(moved, rest, "{}", sample.name());
+        assert!(largest(&rest) <= 1e-13, "{}: {:e}", sample.name(), largest(&rest));
     });
 }
 
@@ -108,7 +110,8 @@ fn homogeneous_deformations_have_one_volume_ratio() {
             })
             .collect();
         let ratios = souple_kernels::oracle::run(&program, &inputs).remove(0);
-        assert_eq!(ratios.len(), sample.rule.points.len(), "{}", sample.name());
+        // One for each point, or one in all where the gradients of the shape functions are constant.
+        assert!([1, sample.rule.points.len()].contains(&ratios.len()), "{}: {}", sample.name(), ratios.len());
         for ratio in ratios {
             assert_close(&sample.name(), &[ratio.value], &[expected], 1e-12, expected);
         }

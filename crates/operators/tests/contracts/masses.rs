@@ -5,7 +5,13 @@ use crate::sample::{SKEW, assert_close, each, one_element, skewed};
 /// Both masses of an element are its density times its volume: det A times the reference cell's under an affine map A.
 #[test]
 fn masses_are_density_times_volume() {
+    let law = souple_laws::by_id("hooke").unwrap();
+    let done = std::cell::RefCell::new(std::collections::BTreeSet::new());
     each(|sample| {
+        // Masses know no law.
+        if !done.borrow_mut().insert((sample.element.id, sample.rule.id)) {
+            return;
+        }
         let d = sample.dimension();
         let a = SKEW;
         let determinant = match d {
@@ -18,7 +24,7 @@ fn masses_are_density_times_volume() {
         };
         let expected = sample.density * determinant * sample.element.family.reference_measure();
         let nodes = skewed(sample.element);
-        let (_, masses) = one_element(sample.element, sample.law, sample.rule, &nodes, sample.density);
+        let (_, masses) = one_element(sample.element, law, sample.rule, &nodes, sample.density);
         for mass in [masses.shape, masses.lumped] {
             assert_close(&sample.name(), &[mass.iter().sum()], &[expected], 1e-13, expected);
         }
@@ -31,7 +37,8 @@ fn lumped_masses_are_positive_and_complete() {
     each(|sample| {
         let total: f64 = sample.masses.shape.iter().sum();
         assert!(total > 0.0, "{}", sample.name());
-        assert!(sample.masses.lumped.iter().all(|&m| m > 1e-6 * total), "{}: {:?}", sample.name(), sample.masses.lumped);
+        let least = sample.masses.lumped.iter().copied().fold(f64::INFINITY, f64::min);
+        assert!(least > 1e-4 * total, "{}: {least:e} of {total:e}", sample.name());
         assert_close(&sample.name(), &[sample.masses.lumped.iter().sum()], &[total], 1e-13, total);
     });
 }

@@ -104,7 +104,9 @@ fn rolled_and_unrolled_loops_agree() {
     let mut compared = 0;
     for (element, law, rule) in associations() {
         // Unrolled programs of large elements take minutes; they are the same code over more nodes.
-        if element.node_count() * rule.points.len() > 80 || rule.points.len() == 1 {
+        let size = element.node_count() * rule.points.len();
+        let limit = if ["hooke", "stvk"].contains(&law.id) { 80 } else { 32 };
+        if size > limit || rule.points.len() == 1 {
             continue;
         }
         let start = item(element, law, &mut random);
@@ -115,7 +117,11 @@ fn rolled_and_unrolled_loops_agree() {
                 continue;
             }
             let what = format!("{} / {} / {}: {key:?}", element.id, law.id, rule.id);
-            assert_agree(&what, values, &unrolled[key]);
+            let other = &unrolled[key];
+            // What is the same at all points is given once by a loop, and for each point without one.
+            let repeated: Vec<Bounded> = values.iter().copied().cycle().take(other.len()).collect();
+            assert_eq!(other.len() % values.len(), 0, "{what}: lengths");
+            assert_agree(&what, &repeated, other);
         }
         compared += 1;
     }

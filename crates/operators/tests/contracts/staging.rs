@@ -1,5 +1,6 @@
 //! What is known early is computed early.
 
+use crate::sample::with_default_rules;
 use souple_forms::Loops;
 use souple_operators::{Association, Derived, derive};
 use souple_program::{Costs, verify};
@@ -14,7 +15,7 @@ fn rolled(element: &'static souple_elements::Element, law: &'static souple_laws:
 fn tangents_of_linear_laws_are_known_at_set_up() {
     let hooke = souple_laws::by_id("hooke").unwrap();
     for element in souple_elements::all() {
-        for carry in [0, 6, 1000] {
+        for carry in [0, 6] {
             let derived = rolled(element, hooke, carry);
             assert_eq!(derived.staged.step_to_apply, (0, 0), "{} at {carry}", element.id);
             for name in ["tangent_apply", "tangent_apply_uncached", "tangent_blocks"] {
@@ -30,7 +31,7 @@ fn tangents_of_linear_laws_are_known_at_set_up() {
 #[test]
 fn free_storage_saves_operations_in_each_application() {
     let stvk = souple_laws::by_id("stvk").unwrap();
-    for element in souple_elements::all() {
+    for element in souple_elements::all().iter().filter(|e| e.node_count() <= 10) {
         let operations = |carry| {
             let derived = rolled(element, stvk, carry);
             souple_program::Counts::of(derived.staged.program("tangent_apply").unwrap()).operations
@@ -44,16 +45,14 @@ fn free_storage_saves_operations_in_each_application() {
 /// is valid.
 #[test]
 fn programs_read_what_is_known_at_their_time() {
-    for element in souple_elements::all() {
-        for law in souple_laws::all() {
-            for staged in &rolled(element, law, 6).staged.programs {
-                let program = &staged.program;
-                verify(program).unwrap_or_else(|e| panic!("{} / {}: {e}", element.id, law.id));
-                let apply = program.name.starts_with("tangent_apply");
-                assert_eq!(program.input("direction").is_some(), apply, "{} {}", element.id, program.name);
-                if ["force", "energy", "linearise", "tangent_apply"].contains(&program.name.as_str()) {
-                    assert_eq!(program.input("rest"), None, "{} {}", element.id, program.name);
-                }
+    for (element, law, _) in with_default_rules() {
+        for staged in &rolled(element, law, 6).staged.programs {
+            let program = &staged.program;
+            verify(program).unwrap_or_else(|e| panic!("{} / {}: {e}", element.id, law.id));
+            let apply = program.name.starts_with("tangent_apply");
+            assert_eq!(program.input("direction").is_some(), apply, "{} {}", element.id, program.name);
+            if ["force", "energy", "linearise", "tangent_apply"].contains(&program.name.as_str()) {
+                assert_eq!(program.input("rest"), None, "{} {}", element.id, program.name);
             }
         }
     }
