@@ -11,10 +11,11 @@
 use crate::motion::Motion;
 use souple_operators::{AssemblyMap, Elements, Masses, Threads};
 use souple_scene::linear_solver::{LinearMethod, LinearSolver, Operator, Preconditioner as Choice};
+use souple_solver::vector::norm;
 use souple_solver::{
-    BlockCsr, BlockJacobi, CgOptions, CgWorkspace, Combination, Csr, Failure, Identity, IncompleteCholesky, Jacobi,
-    LinearOperator, LinearReport, LoadProblem, NewtonProblem, Preconditioner, Projector, SecondOrder, Serial,
-    SkylineLdlt, cg, solve_directly,
+    BlockCsr, BlockJacobi, CgOptions, CgWorkspace, Combination, Csr, DirectSolver, Failure, Identity,
+    IncompleteCholesky, Jacobi, LinearOperator, LinearReport, LoadProblem, NewtonProblem, Preconditioner, Projector,
+    SecondOrder, Serial, SkylineLdlt, cg, solve_directly,
 };
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -279,6 +280,9 @@ impl System {
             if p {
                 *r = 0.0;
             }
+        }
+        if let Err(fault) = solver.factor(&matrix) {
+            return LinearReport { status: fault.status(), ..LinearReport::direct(norm(&right)) };
         }
         solve_directly(solver, &matrix, &right, x, &mut self.scratch)
     }

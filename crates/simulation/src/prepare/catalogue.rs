@@ -1,17 +1,46 @@
 //! The laws that a scene may name, as the scene's reader wants to know them.
 
-use souple_scene::{Catalogue, LawEntry, ParameterEntry, ParameterShape, ParameterValue};
+use souple_laws::check;
+use souple_laws::user::{self, UserLaw, UserLawError};
+use souple_scene::{Catalogue, LawEntry, LawRefusal, ParameterEntry, ParameterShape, ParameterValue};
 
 /// Every law of the registry with its parameters, ranges and units.
 ///
-/// A user law's energy is accepted as it stands; [`super::prepare`] says what becomes of it.
+/// A user law's energy is read and judged at rest: finite, free of stress, stable.
 pub fn catalogue() -> Catalogue {
     let laws = souple_laws::all().iter().map(|law| LawEntry {
         id: law.id.to_owned(),
         parameters: law.parameters.iter().map(parameter).collect(),
         check: None,
     });
-    Catalogue { laws: laws.collect(), user_law: None }
+    Catalogue { laws: laws.collect(), user_law: Some(judge) }
+}
+
+/// Reads the energy of a user law with the parameters of a scene: numbers, and lists of three as directions.
+///
+/// # Errors
+/// The first thing that is wrong with the text or the parameters.
+pub(super) fn read<'v>(
+    energy: &str,
+    parameters: impl Iterator<Item = (&'v str, &'v ParameterValue)>,
+) -> Result<UserLaw, UserLawError> {
+    let values: Vec<(&str, user::ParameterValue)> = parameters
+        .map(|(name, value)| {
+            let value = match value {
+                ParameterValue::Number(number) => user::ParameterValue::Number(*number),
+                // A list of another length is no direction; as a zero one it is refused with its name.
+                ParameterValue::List(list) => user::ParameterValue::Direction(list[..].try_into().unwrap_or([0.0; 3])),
+            };
+            (name, value)
+        })
+        .collect();
+    UserLaw::parse(energy, &values)
+}
+
+fn judge(energy: &str, parameters: &[(&str, &ParameterValue)]) -> Result<(), LawRefusal> {
+    let refuse = |message: String| LawRefusal { parameter: None, message };
+    let law = read(energy, parameters.iter().copied()).map_err(|e| refuse(format!("{e}\n{}", e.excerpt())))?;
+    check::at_rest(&law.response()).map(|_| ()).map_err(|fault| refuse(fault.to_string()))
 }
 
 fn parameter(parameter: &souple_laws::Parameter) -> ParameterEntry {

@@ -7,7 +7,8 @@ use souple_elements::{Element, Rule};
 use souple_laws::Law;
 use souple_mesh::BoundingBox;
 use souple_operators::BlockSpec;
-use souple_scene::material::USER_LAW;
+use souple_scene::Spanned;
+use souple_scene::material::{Material, USER_LAW};
 
 /// A material of a body, resolved.
 struct Resolved {
@@ -29,8 +30,11 @@ pub(super) fn group(place: Place<'_>, blocks: &mut Vec<BlockSpec>, findings: &mu
             Some(selected) => selected.elements.iter().for_each(|&e| material_of[e as usize] = Some(index)),
             None => sound = false,
         }
+        if let (USER_LAW, Some(energy)) = (material.law.value.as_str(), &material.energy) {
+            resolved.push(user_law(energy, material, findings));
+            continue;
+        }
         let law = souple_laws::by_id(&material.law);
-        // A user law was refused with everything else that is not supported.
         if law.is_none() && material.law.value != USER_LAW {
             findings.problem(
                 &material.law.at,
@@ -102,6 +106,21 @@ pub(super) fn group(place: Place<'_>, blocks: &mut Vec<BlockSpec>, findings: &mu
             blocks[at].connectivity.extend(block.nodes(index).iter().map(|&n| body.first_node + n));
             blocks[at].ids.push(body.first_element + number as u32);
             number += 1;
+        }
+    }
+}
+
+/// The law that a material's energy describes, with the values of its parameters.
+fn user_law(energy: &Spanned<String>, material: &Material, findings: &mut Findings) -> Option<Resolved> {
+    let given = material.parameters.iter().map(|p| (p.name.as_str(), &p.value.value));
+    match super::catalogue::read(energy, given) {
+        Ok(law) => {
+            let parameters = law.values();
+            Some(Resolved { law: law.into_law(), parameters })
+        }
+        Err(fault) => {
+            findings.problem(&energy.at, format!("{fault}\n{}", fault.excerpt()));
+            None
         }
     }
 }

@@ -2,17 +2,11 @@
 
 use super::error::Findings;
 use souple_scene::Scene;
-use souple_scene::material::USER_LAW;
 
 /// Notes everything in the scene that would have no effect, with what to use instead.
 pub(super) fn refuse(scene: &Scene, findings: &mut Findings) {
     for body in &scene.bodies {
         for material in &body.materials {
-            if material.law.value == USER_LAW {
-                let laws: Vec<&str> = souple_laws::all().iter().map(|law| law.id).collect();
-                let message = format!("user laws are not supported yet; use one of the laws {}", laws.join(", "));
-                findings.problem(&material.law.at, message);
-            }
             if let Some(viscosity) = &material.viscosity {
                 let message = "viscosity is not supported yet; remove it, or damp the motion with `velocity_damping` \
                                or `rayleigh` in [integrator]";
