@@ -44,6 +44,37 @@ pub struct Law {
 /// walks the text of a user law. Equal measures must give equal expressions.
 pub type Energy = dyn Fn(&mut Kinematics<'_>) -> Expr + Send + Sync;
 
+/// What a person gives for a law: one number, or a direction that is three parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Argument {
+    /// The parameter of this name.
+    Number(&'static Parameter),
+    /// The three consecutive parameters `name_x`, `name_y` and `name_z`, not all zero.
+    Direction {
+        /// The name without the axis.
+        name: &'static str,
+        /// The first of them.
+        x: &'static Parameter,
+    },
+}
+
+impl Law {
+    /// What the law asks for, in the order of its parameters.
+    pub fn arguments(&self) -> Vec<Argument> {
+        let parameters = self.parameters;
+        let mut arguments = Vec::new();
+        let mut at = 0;
+        while at < parameters.len() {
+            let axis = |k: usize, suffix| parameters.get(at + k).and_then(|p: &Parameter| p.name.strip_suffix(suffix));
+            let direction = axis(0, "_x").filter(|&name| axis(1, "_y") == Some(name) && axis(2, "_z") == Some(name));
+            let x = &parameters[at];
+            arguments.push(direction.map_or(Argument::Number(x), |name| Argument::Direction { name, x }));
+            at += if direction.is_some() { 3 } else { 1 };
+        }
+        arguments
+    }
+}
+
 impl fmt::Debug for Law {
     /// The id alone: it names the law.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -2,7 +2,7 @@
 
 use crate::sample::{Random, largest, parameters, responses};
 use souple_laws::response::{IDENTITY, Tensor, product, tensor_from_fn};
-use souple_laws::{ISOTROPIC, Response, lame_from_young_poisson};
+use souple_laws::{Argument, ISOTROPIC, Response, lame_from_young_poisson};
 
 /// Ids are what scenes say: unique, lower case, found again; and every law explains itself.
 #[test]
@@ -20,6 +20,23 @@ fn laws_are_found_by_their_ids() {
         names.sort_unstable();
         assert!(names.windows(2).all(|pair| pair[0] != pair[1]), "{}: parameters twice", law.id);
     }
+}
+
+/// Three components are asked for as one direction; everything else is a number.
+#[test]
+fn directions_are_one_argument() {
+    let shown = |id: &str| -> Vec<String> {
+        let arguments = souple_laws::by_id(id).unwrap().arguments();
+        arguments
+            .into_iter()
+            .map(|argument| match argument {
+                Argument::Number(p) => p.name.to_owned(),
+                Argument::Direction { name, x } => format!("{name} from {}", x.name),
+            })
+            .collect()
+    };
+    assert_eq!(shown("transverse-stvk"), ["young", "poisson", "young_fibre", "direction from direction_x"]);
+    assert_eq!(shown("yeoh"), ["c1", "c2", "c3", "bulk"]);
 }
 
 /// Nothing is stored and nothing pulls at rest.
