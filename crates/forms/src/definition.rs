@@ -57,8 +57,11 @@ pub struct Definition {
     pub energy_density: Expr,
     /// First Piola–Kirchhoff stress ∂ψ/∂H in Pa as a function of them, [row, column] of the present directions.
     pub stress: Vec<Expr>,
-    /// Weight times volume element in m³ at the first quadrature point (at all of them when rolled).
-    pub volume: Expr,
+    /// Displacement gradients H at the quadrature points, [row, column] of the present directions: one matrix that varies
+    /// over them, or one per point.
+    pub point_gradients: Vec<Matrix>,
+    /// Weights times volume elements in m³ at the quadrature points, likewise.
+    pub point_volumes: Vec<Expr>,
 }
 
 /// One quadrature point, or all of them at once when loops are rolled.
@@ -114,6 +117,7 @@ pub fn define(element: &Element, law: &Law, rule: &Rule, loops: Loops) -> Defini
     let mut blocks: Vec<Vec<Expr>> = Vec::new();
     let mut volumes = Vec::new();
     let mut volume_ratio = Vec::new();
+    let mut point_gradients = Vec::new();
     let identity = Matrix::identity(g, 3);
     let ratio = identity.add(g, &displacement_gradient).determinant(g);
     for point in &points {
@@ -143,6 +147,7 @@ pub fn define(element: &Element, law: &Law, rule: &Rule, loops: Loops) -> Defini
         let weighted: Vec<Expr> = second.into_iter().map(|s| g.mul(volume, s)).collect();
         blocks.push(block_terms(g, &weighted, d, &gradients, constant_sum));
         volumes.push(volume);
+        point_gradients.push(plane);
     }
     let total = |g: &mut Graph, terms: &[Expr]| {
         let sum = g.sum(terms);
@@ -189,7 +194,8 @@ pub fn define(element: &Element, law: &Law, rule: &Rule, loops: Loops) -> Defini
         displacement_gradient,
         energy_density,
         stress,
-        volume: volumes[0],
+        point_gradients,
+        point_volumes: volumes,
         graph,
     }
 }

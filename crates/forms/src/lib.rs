@@ -12,8 +12,11 @@
 //! m_a = Σ_q w_q det(∂X/∂ξ) ρ N_a          mass and consistent load per unit of acceleration
 //! ```
 //!
-//! Everything else follows by differentiation here, and by staging in `souple-program`.
+//! Everything else follows by differentiation here, and by staging in `souple-program`. What an element shows of its
+//! stress and strain is written apart, by [`averages()`].
 
+mod averages;
 mod definition;
 
+pub use averages::{Averages, SYMMETRIC, averages};
 pub use definition::{Definition, Loops, define};

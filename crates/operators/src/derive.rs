@@ -1,7 +1,7 @@
 //! From a definition to programs.
 
 use souple_elements::{Element, Rule};
-use souple_forms::{Definition, Loops, define};
+use souple_forms::{Averages, Definition, Loops, averages, define};
 use souple_laws::Law;
 use souple_program::{BufferRequest, Costs, LINEARISE, OutputRequest, SETUP, Staged, stage};
 use souple_symbols::Time;
@@ -43,14 +43,7 @@ pub struct Derived {
 pub fn derive(association: Association, costs: Costs) -> Derived {
     let Association { element, law, rule, loops } = association;
     let d = define(element, law, rule, loops);
-    let inputs = [
-        ("rest", d.rest.clone()),
-        ("parameters", d.parameters.clone()),
-        ("density", vec![d.density]),
-        ("displacement", d.displacement.clone()),
-        ("direction", d.direction.clone()),
-    ]
-    .map(|(name, leaves)| BufferRequest { name: name.into(), leaves });
+    let inputs = leaves(&d);
     let output = |program: &str, time, name: &str, values: &[_], cached| OutputRequest {
         program: program.into(),
         time,
@@ -72,4 +65,33 @@ pub fn derive(association: Association, costs: Costs) -> Derived {
     ];
     let staged = stage(&d.graph, &inputs, &outputs, costs);
     Derived { association, definition: d, staged }
+}
+
+/// Derives what an element shows of its stress and strain ([`Averages`]): the programs `stress` and `strain`, each with
+/// one output of that name, a symmetric tensor and the volume that it is the mean of.
+///
+/// They are no part of [`Derived::staged`]: few simulations want them, and they carry nothing from the set-up, so that
+/// they change neither what is stored nor what is computed for forces.
+pub fn derive_averages(derived: &Derived, costs: Costs) -> Staged {
+    let Averages { graph, stress, strain } = averages(&derived.definition, derived.association.law);
+    let outputs = [("stress", stress), ("strain", strain)].map(|(name, values)| OutputRequest {
+        program: name.into(),
+        time: Time::Step,
+        name: name.into(),
+        values,
+        cached: false,
+    });
+    stage(&graph, &leaves(&derived.definition), &outputs, costs)
+}
+
+/// The buffers that programs read leaves from.
+fn leaves(d: &Definition) -> [BufferRequest; 5] {
+    [
+        ("rest", d.rest.clone()),
+        ("parameters", d.parameters.clone()),
+        ("density", vec![d.density]),
+        ("displacement", d.displacement.clone()),
+        ("direction", d.direction.clone()),
+    ]
+    .map(|(name, leaves)| BufferRequest { name: name.into(), leaves })
 }

@@ -5,7 +5,8 @@
 //! contributions of its elements in a fixed order (the first thesis' partial and total influence). So the result is the
 //! same to the last bit for any number of threads.
 
-use crate::derive::{Association, Derived, derive};
+use crate::averages::{Average, Mean};
+use crate::derive::{Association, Derived, derive, derive_averages};
 use crate::{BlockSpec, Threads};
 use souple_forms::Loops;
 use souple_kernels::{Backend, CompileError, Input, Kernel, LANES, Scratch};
@@ -57,6 +58,19 @@ struct Kernels {
     tangent_blocks: Arc<dyn Kernel>,
     volume_ratio: Arc<dyn Kernel>,
     volume: Arc<dyn Kernel>,
+    /// Compiled when asked for.
+    stress: Option<Arc<dyn Kernel>>,
+    /// Likewise.
+    strain: Option<Arc<dyn Kernel>>,
+}
+
+impl Kernels {
+    fn average(&mut self, average: Average) -> &mut Option<Arc<dyn Kernel>> {
+        match average {
+            Average::Stress => &mut self.stress,
+            Average::Strain => &mut self.strain,
+        }
+    }
 }
 
 /// Masses that the elements give to the nodes.
@@ -158,6 +172,54 @@ impl Elements {
             let kernel = block.kernels.volume.clone();
             block.run(&kernel, Some(u), None, Destination::Small, &self.threads, &mut self.scratch);
             block.spec.ids.iter().zip(&block.small).for_each(|(&id, &volume)| give(id, volume));
+        }
+    }
+
+    /// Prepares [`Elements::each_mean`] for these averages: derives and compiles what is not there yet.
+    ///
+    /// # Errors
+    /// When the backend refuses a program.
+    pub fn prepare_means(
+        &mut self,
+        averages: &[Average],
+        backend: &dyn Backend,
+        costs: Costs,
+    ) -> Result<(), CompileError> {
+        if averages.is_empty() {
+            return Ok(());
+        }
+        // Blocks of one association share one derivation, and so do these programs.
+        let mut known: Vec<Arc<Derived>> = Vec::new();
+        let mut compiled: Vec<Vec<Arc<dyn Kernel>>> = Vec::new();
+        for block in &mut self.blocks {
+            let family = known.iter().position(|k| Arc::ptr_eq(k, &block.derived)).unwrap_or(known.len());
+            if family == known.len() {
+                let staged = derive_averages(&block.derived, costs);
+                let program = |a: &Average| staged.program(a.program()).expect("both averages are derived");
+                let kernels: Result<Vec<_>, _> = averages.iter().map(|a| backend.compile(program(a))).collect();
+                known.push(block.derived.clone());
+                compiled.push(kernels?);
+            }
+            for (&average, kernel) in averages.iter().zip(&compiled[family]) {
+                *block.kernels.average(average) = Some(kernel.clone());
+            }
+        }
+        Ok(())
+    }
+
+    /// Mean stress or strain of each element at `u`, with its number, in the order of the blocks.
+    ///
+    /// # Panics
+    /// When [`Elements::prepare_means`] was not asked for this average before.
+    pub fn each_mean(&mut self, average: Average, u: &[f64], mut give: impl FnMut(u32, Mean)) {
+        for block in &mut self.blocks {
+            let kernel = block.kernels.average(average).clone().expect("`prepare_means` was called for this average");
+            block.run(&kernel, Some(u), None, Destination::Small, &self.threads, &mut self.scratch);
+            for (element, &id) in block.spec.ids.iter().enumerate() {
+                let at = element / LANES * Mean::ROWS * LANES + element % LANES;
+                let value = |row: usize| block.small[at + row * LANES];
+                give(id, Mean { tensor: std::array::from_fn(value), volume: value(Mean::ROWS - 1) });
+            }
         }
     }
 
@@ -386,6 +448,8 @@ impl Block {
             tangent_blocks: compile("tangent_blocks")?,
             volume_ratio: compile("volume_ratio")?,
             volume: compile("volume")?,
+            stress: None,
+            strain: None,
         };
         let points = kernels.force.program().points;
         let sized = |(once, each): (usize, usize)| {

@@ -30,11 +30,11 @@ choices! {
         Force = "force",
         /// Force that holds each fixed or moved node (N).
         Reaction = "reaction",
-        /// Cauchy stress of each element, averaged over its quadrature points (Pa).
+        /// Mean Cauchy stress of each element (Pa); of a small-strain law, the stress that it states. Nine numbers, row by row.
         Stress = "stress",
-        /// Von Mises stress of each element (Pa).
+        /// Von Mises stress of each element's mean stress (Pa).
         VonMisesStress = "von mises stress",
-        /// Green–Lagrange strain of each element.
+        /// Mean Green–Lagrange strain of each element. Nine numbers, row by row.
         Strain = "strain",
         /// Strain energy per rest volume of each element (J/m^3).
         EnergyDensity = "energy density",

@@ -8,6 +8,7 @@ pub mod prepare;
 mod probes;
 mod run;
 mod system;
+mod tensor;
 
 pub use output::{Iterations, Quantiles, Summary};
 pub use probes::{ExpectationResult, ProbeValue};

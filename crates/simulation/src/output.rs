@@ -2,8 +2,10 @@
 
 use crate::probes::{Measured, ProbeValue};
 use crate::run::{Ending, RunError, Simulation};
+use crate::tensor::{Symmetric, rows, von_mises};
 use serde::Serialize;
 use souple_mesh::formats::{Field, Location, Values, VtuOptions, write_vtu};
+use souple_operators::{Average, Mean};
 use souple_scene::output::Field as SceneField;
 use std::collections::BTreeMap;
 
@@ -118,21 +120,40 @@ impl Simulation {
             let reactions = measured.reactions();
             nodal.push(("reaction", spread(&reactions)));
         }
-        let mut elemental: Vec<(&str, Vec<f64>)> = Vec::new();
+        // Name, components, values of all elements.
+        let mut elemental: Vec<(&str, usize, Vec<f64>)> = Vec::new();
+        let mut mean = |average| -> Vec<Symmetric> {
+            let mut tensors = vec![[0.0; 6]; count];
+            let give = |id, mean: Mean| tensors[id as usize] = mean.tensor;
+            self.system.elements.each_mean(average, &self.state.u, give);
+            tensors
+        };
+        if wants(SceneField::Stress) || wants(SceneField::VonMisesStress) {
+            let stress = mean(Average::Stress);
+            if wants(SceneField::Stress) {
+                elemental.push(("stress", 9, stress.iter().copied().flat_map(rows).collect()));
+            }
+            if wants(SceneField::VonMisesStress) {
+                elemental.push(("von mises stress", 1, stress.into_iter().map(von_mises).collect()));
+            }
+        }
+        if wants(SceneField::Strain) {
+            elemental.push(("strain", 9, mean(Average::Strain).into_iter().flat_map(rows).collect()));
+        }
         if wants(SceneField::EnergyDensity) {
             let mut volumes = vec![1.0; count];
             let rest = vec![0.0; self.state.u.len()];
             self.system.elements.each_volume(&rest, |id, v| volumes[id as usize] = v);
             let mut density = vec![0.0; count];
             self.system.elements.each_energy(&self.state.u, |id, e| density[id as usize] = e / volumes[id as usize]);
-            elemental.push(("energy density", density));
+            elemental.push(("energy density", 1, density));
         }
         if wants(SceneField::VolumeRatio) {
             let mut ratio = vec![0.0; count];
             for (id, worst) in self.system.elements.crushed(&self.state.u, f64::INFINITY) {
                 ratio[id as usize] = worst;
             }
-            elemental.push(("volume ratio", ratio));
+            elemental.push(("volume ratio", 1, ratio));
         }
         if wants(SceneField::Material) {
             let mut material = vec![0.0; count];
@@ -141,7 +162,7 @@ impl Simulation {
                     material[id as usize] = number as f64;
                 }
             }
-            elemental.push(("material", material));
+            elemental.push(("material", 1, material));
         }
         let mut frames = Vec::new();
         for body in &self.prepared.bodies {
@@ -162,12 +183,12 @@ impl Simulation {
                     values: Values::F64(values[nodes.clone()].iter().flatten().copied().collect()),
                 })
                 .collect();
-            for (name, values) in &elemental {
+            for &(name, components, ref values) in &elemental {
                 fields.push(Field {
-                    name: (*name).into(),
-                    components: 1,
+                    name: name.into(),
+                    components,
                     location: Location::Elements,
-                    values: Values::F64(values[elements.clone()].to_vec()),
+                    values: Values::F64(values[components * elements.start..components * elements.end].to_vec()),
                 });
             }
             let bytes = write_vtu(&mesh, &fields, &VtuOptions::default())

@@ -2,7 +2,9 @@
 
 use crate::prepare::ProbeRegion;
 use crate::system::System;
+use crate::tensor::von_mises;
 use serde::Serialize;
+use souple_operators::Average;
 use souple_scene::expect::{Component, ExpectedValue};
 use souple_scene::probe::{Probe, Quantity};
 use souple_solver::SecondOrder;
@@ -15,6 +17,8 @@ pub enum ProbeValue {
     Scalar(f64),
     /// Three numbers: x, y, z.
     Vector([f64; 3]),
+    /// Six numbers of a symmetric tensor: xx, yy, zz, xy, yz, zx.
+    Tensor([f64; 6]),
     /// Any number of vectors.
     Vectors(Vec<[f64; 3]>),
 }
@@ -57,6 +61,19 @@ impl Measured<'_> {
         total
     }
 
+    /// Mean stress in Pa, weighted by the volumes that the elements' means are of.
+    fn stress(&mut self, elements: &[u32]) -> [f64; 6] {
+        let mut total = [0.0; 6];
+        let mut volume = 0.0;
+        self.system.elements.each_mean(Average::Stress, self.u, |id, mean| {
+            if elements.binary_search(&id).is_ok() {
+                total.iter_mut().zip(mean.tensor).for_each(|(t, s)| *t += mean.volume * s);
+                volume += mean.volume;
+            }
+        });
+        total.map(|t| t / volume)
+    }
+
     /// Forces that hold the prescribed unknowns, [node, axis], in N; zero elsewhere.
     pub(crate) fn reactions(&mut self) -> Vec<f64> {
         let mut force = vec![0.0; self.u.len()];
@@ -70,10 +87,10 @@ impl Measured<'_> {
         force
     }
 
-    /// One quantity on the nodes and elements of a probe; `None` for a quantity that is refused when a scene is loaded.
-    pub(crate) fn measure(&mut self, quantity: Quantity, region: &ProbeRegion, probe: &Probe) -> Option<ProbeValue> {
+    /// One quantity on the nodes and elements of a probe.
+    pub(crate) fn measure(&mut self, quantity: Quantity, region: &ProbeRegion, probe: &Probe) -> ProbeValue {
         let nodes = &region.nodes;
-        Some(match quantity {
+        match quantity {
             Quantity::MeanDisplacement => ProbeValue::Vector(mean(nodes.iter().map(|&n| self.vector(self.u, n)))),
             Quantity::MeanVelocity => ProbeValue::Vector(mean(nodes.iter().map(|&n| self.vector(self.v, n)))),
             Quantity::MeanPosition => ProbeValue::Vector(mean(nodes.iter().map(|&n| self.position(n)))),
@@ -101,8 +118,8 @@ impl Measured<'_> {
                 });
                 ProbeValue::Scalar(total)
             }
-            Quantity::Stress => return None,
-        })
+            Quantity::Stress => ProbeValue::Tensor(self.stress(&region.elements)),
+        }
     }
 
     /// Mean positions of the nodes that share a rest coordinate, in its order.
@@ -178,9 +195,21 @@ fn pick(value: &ProbeValue, component: Option<Component>, index: Option<u32>) ->
         Some(Component::Magnitude) => vec![v.iter().map(|x| x * x).sum::<f64>().sqrt()],
         Some(_) => Vec::new(),
     };
+    let of_tensor = |t: [f64; 6]| match component {
+        None => t.to_vec(),
+        Some(Component::Xx) => vec![t[0]],
+        Some(Component::Yy) => vec![t[1]],
+        Some(Component::Zz) => vec![t[2]],
+        Some(Component::Xy) => vec![t[3]],
+        Some(Component::Yz) => vec![t[4]],
+        Some(Component::Zx) => vec![t[5]],
+        Some(Component::VonMises) => vec![von_mises(t)],
+        Some(_) => Vec::new(),
+    };
     match value {
         ProbeValue::Scalar(x) => vec![*x],
         ProbeValue::Vector(v) => of_vector(*v),
+        ProbeValue::Tensor(t) => of_tensor(*t),
         ProbeValue::Vectors(list) => index.and_then(|i| list.get(i as usize)).map_or_else(Vec::new, |v| of_vector(*v)),
     }
 }

@@ -7,7 +7,7 @@ use crate::system::{FlatLoad, System};
 use serde::Serialize;
 use souple_kernels::{Backend, CompileError, Interpreter};
 use souple_kernels_cpu::{Cpu, InstructionSet};
-use souple_operators::{Elements, Threads};
+use souple_operators::{Average, Elements, Threads};
 use souple_program::Costs;
 use souple_scene::expect::Expectation;
 use souple_scene::integrator::Method as SceneMethod;
@@ -166,7 +166,6 @@ impl Simulation {
         let overrides: Vec<&str> = overrides.iter().map(String::as_str).collect();
         let (scene, found) = souple_scene::parse_with_overrides(text, scene_file, &overrides, &prepare::catalogue())?;
         let mut warnings: Vec<String> = found.iter().map(|w| w.in_file(scene_file).to_string()).collect();
-        refuse_unsupported(&scene, scene_file)?;
         let (prepared, more) = prepare::prepare(&scene, scene_file, read)?;
         warnings.extend(more);
         let threads = match options.threads {
@@ -175,8 +174,9 @@ impl Simulation {
         };
         let threads = Arc::new(Threads::new(threads).map_err(LoadError::Threads)?);
         let device = open_device(&options.device)?;
-        let (elements, masses) =
+        let (mut elements, masses) =
             Elements::new(&prepared.nodes, prepared.blocks.clone(), &*device, threads.clone(), Costs::default())?;
+        elements.prepare_means(&means(&scene), &*device, Costs::default())?;
         let solver = scene.linear_solver.clone();
         let mut system = System::new(elements, &masses, scene.gravity, prepared.nodes.clone(), solver, threads);
         constrain(&mut system, &scene, &prepared);
@@ -443,9 +443,8 @@ impl Simulation {
             let mut measured =
                 Measured { system: &mut self.system, t: self.state.t, u: &self.state.u, v: &self.state.v };
             for quantity in &probe.quantities {
-                if let Some(value) = measured.measure(quantity.value, region, probe) {
-                    values.insert(quantity.value.to_string(), value);
-                }
+                let value = measured.measure(quantity.value, region, probe);
+                values.insert(quantity.value.to_string(), value);
             }
             all.insert(probe.name.value.clone(), values);
         }
@@ -514,19 +513,18 @@ fn method(scene: &Scene) -> Option<Method> {
     })
 }
 
-fn refuse_unsupported(scene: &Scene, file: &str) -> Result<(), LoadError> {
-    let mut problems = Vec::new();
-    for probe in &scene.probes {
-        for quantity in probe.quantities.iter().filter(|q| q.value == Quantity::Stress) {
-            problems.push(format!("{}: the quantity \"stress\" is not supported yet", quantity.at.in_file(file)));
-        }
+/// The means over elements that probes and written fields take.
+fn means(scene: &Scene) -> Vec<Average> {
+    let mut means = Vec::new();
+    let fields = &scene.output.fields;
+    let probed = scene.probes.iter().any(|probe| probe.quantities.iter().any(|q| q.value == Quantity::Stress));
+    if probed || fields.contains(&SceneField::Stress) || fields.contains(&SceneField::VonMisesStress) {
+        means.push(Average::Stress);
     }
-    for field in &scene.output.fields {
-        if matches!(field, SceneField::Stress | SceneField::VonMisesStress | SceneField::Strain) {
-            problems.push(format!("{file}: [output] fields: \"{field}\" is not supported yet"));
-        }
+    if fields.contains(&SceneField::Strain) {
+        means.push(Average::Strain);
     }
-    if problems.is_empty() { Ok(()) } else { Err(LoadError::Refused(problems.join("\n"))) }
+    means
 }
 
 /// Prescribed unknowns, motions and loads.

@@ -1,6 +1,9 @@
 //! What is promised of every element, law and quadrature: checked over the registries, so that a new file is under
-//! test at once. Elements, laws and rules of one test run are those of [`samples`].
+//! test at once. Elements, laws and rules of one test run are those of [`sample`].
 
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
+mod averages;
 mod backends;
 mod blocks;
 mod counts;

@@ -7,7 +7,8 @@ use crate::sample::{assert_close, largest};
 use souple_elements::Element;
 use souple_kernels::Interpreter;
 use souple_laws::Law;
-use souple_operators::{BlockSpec, Elements, Threads};
+use souple_laws::response::{determinant, product, tensor_from_fn, transpose};
+use souple_operators::{Average, BlockSpec, Elements, Threads};
 use souple_program::Costs;
 use std::sync::Arc;
 
@@ -95,8 +96,8 @@ fn model(patch: &Patch, law: &'static Law, parameters: &[f64], rule: usize) -> E
     Elements::new(&patch.nodes, specs.collect(), &Interpreter::default(), threads, Costs::default()).unwrap().0
 }
 
-/// Energy and nodal forces of homogeneous deformations are exact to round-off with every listed rule, and interior
-/// nodes have no force.
+/// Energy, nodal forces and stresses of homogeneous deformations are exact to round-off with every listed rule, and
+/// interior nodes have no force.
 #[test]
 fn mixed_mesh_reproduces_homogeneous_deformations() {
     let patch = patch();
@@ -111,6 +112,7 @@ fn mixed_mesh_reproduces_homogeneous_deformations() {
         let parameters = parameters.unwrap_or_else(|| panic!("data/affine-patch.txt lacks a parameter of {}", law.id));
         for rule in 0..rules {
             let mut elements = model(&patch, law, &parameters, rule);
+            elements.prepare_means(&[Average::Stress], &Interpreter::default(), Costs::default()).unwrap();
             for case in &patch.deformations {
                 let answer = case.answers.iter().find(|a| a.law == law.id).unwrap();
                 check(&patch, &mut elements, case, answer, rule);
@@ -136,6 +138,16 @@ fn check(patch: &Patch, elements: &mut Elements, case: &Deformation, answer: &An
     elements.add_force(&u, &mut force);
     assert_close(&what, &force, &expected, 1e-12, scale);
     assert_close(&what, &[elements.energy(&u)], &[answer.energy], 1e-12, answer.energy);
+    // Every element shows the Cauchy stress P Fᵀ/J; of Hooke's law, P itself.
+    let f = tensor_from_fn(|i, j| case.f[3 * i + j]);
+    let piola = tensor_from_fn(|i, j| answer.stress[3 * i + j]);
+    let objective = souple_laws::by_id(&answer.law).unwrap().objective;
+    let stress =
+        if objective { product(&piola, &transpose(&f)).map(|row| row.map(|s| s / determinant(&f))) } else { piola };
+    let stress = [stress[0][0], stress[1][1], stress[2][2], stress[0][1], stress[1][2], stress[2][0]];
+    elements.each_mean(Average::Stress, &u, |id, mean| {
+        assert_close(&format!("{what}, element {id}"), &mean.tensor, &stress, 1e-12, largest(&stress));
+    });
     let inner: Vec<usize> = (0..patch.g.len()).filter(|&a| patch.g[a] == [0.0; 3]).collect();
     assert_eq!(inner.len(), 6, "interior nodes");
     for a in inner {

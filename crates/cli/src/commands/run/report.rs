@@ -56,6 +56,7 @@ fn value(v: &ProbeValue) -> String {
     match v {
         ProbeValue::Scalar(x) => number(*x),
         ProbeValue::Vector(x) => list(x),
+        ProbeValue::Tensor(x) => list(x),
         ProbeValue::Vectors(all) => {
             let mut shown: Vec<String> = all.iter().take(SHOWN).map(|x| list(x)).collect();
             if all.len() > SHOWN {
