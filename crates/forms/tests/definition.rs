@@ -1,6 +1,8 @@
 //! Definitions of element × law × quadrature evaluated as expressions, before any staging: closed forms per law, and
 //! what every law and element must satisfy.
 
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
 use souple_elements::{Element, Rule};
 use souple_forms::{Definition, Loops, define};
 use souple_laws::{Bound, Law, lame_from_young_poisson};

@@ -119,7 +119,7 @@ fn homogeneous_deformations_have_one_volume_ratio() {
 }
 
 /// A random rotation matrix, in the first plane for plane elements.
-#[expect(clippy::many_single_char_names, reason = "Rodrigues' formula R = I + s N + (1 − c) N², N = [n]×")]
+/// By Rodrigues' formula R = I + s N + (1 − c) N² with N = [n]×.
 fn rotation(sample: &mut Sample) -> [[f64; 3]; 3] {
     let angle = sample.random.between(0.3, 3.0);
     let n = if sample.dimension() == 2 {
