@@ -323,7 +323,7 @@ fn factor_at(keys: &[(f64, f64)], t: f64) -> f64 {
 /// y ← A x, rows shared between threads.
 fn multiply(matrix: &BlockCsr, threads: &Threads, d: usize, x: &[f64], y: &mut [f64]) {
     let rows = matrix.row_count();
-    if threads.count() == 1 || rows < 512 {
+    if threads.count() == 1 || rows < 4096 {
         matrix.multiply_rows(0..rows, x, y);
         return;
     }
