@@ -36,6 +36,8 @@ enum Command {
     Mesh(commands::mesh::Arguments),
     /// Read a scene with its meshes and say what was found, without running it
     Check(commands::check::Arguments),
+    /// Judge a law with its parameters: at rest, under rotations, its derivatives, its curves
+    CheckLaw(commands::check_law::Arguments),
     /// Run a scene
     Run(commands::run::Arguments),
 }
@@ -46,6 +48,7 @@ fn main() -> ExitCode {
         Command::Derive(arguments) => commands::derive::run(&arguments),
         Command::Mesh(arguments) => commands::mesh::run(&arguments),
         Command::Check(arguments) => commands::check::run(&arguments),
+        Command::CheckLaw(arguments) => commands::check_law::run(&arguments),
         Command::Run(arguments) => commands::run::run(&arguments),
     };
     match result {

@@ -1,6 +1,7 @@
 //! The one door for applications: from a scene to a model, from a model to states, probes and results.
 
 pub mod derive_report;
+pub mod law_report;
 pub mod lists;
 mod motion;
 mod output;

@@ -16,6 +16,7 @@ mod catalogue;
 mod check;
 mod conditions;
 mod error;
+pub mod judge;
 mod loads;
 mod materials;
 mod meshes;
