@@ -150,9 +150,9 @@ impl Simulation {
         }
         if wants(SceneField::VolumeRatio) {
             let mut ratio = vec![0.0; count];
-            for (id, worst) in self.system.elements.crushed(&self.state.u, f64::INFINITY) {
-                ratio[id as usize] = worst;
-            }
+            let rest = vec![0.0; self.state.u.len()];
+            self.system.elements.each_volume(&rest, |id, v| ratio[id as usize] = 1.0 / v);
+            self.system.elements.each_volume(&self.state.u, |id, v| ratio[id as usize] *= v);
             elemental.push(("volume ratio", 1, ratio));
         }
         if wants(SceneField::Material) {

@@ -1,7 +1,7 @@
 //! The laws that a scene may name, as the scene's reader wants to know them.
 
-use souple_laws::check;
 use souple_laws::user::{self, UserLaw, UserLawError};
+use souple_laws::{Argument, check};
 use souple_scene::{Catalogue, LawEntry, LawRefusal, ParameterEntry, ParameterShape, ParameterValue};
 
 /// Every law of the registry with its parameters, ranges and units.
@@ -10,7 +10,7 @@ use souple_scene::{Catalogue, LawEntry, LawRefusal, ParameterEntry, ParameterSha
 pub fn catalogue() -> Catalogue {
     let laws = souple_laws::all().iter().map(|law| LawEntry {
         id: law.id.to_owned(),
-        parameters: law.parameters.iter().map(parameter).collect(),
+        parameters: law.arguments().into_iter().map(argument).collect(),
         check: None,
     });
     Catalogue { laws: laws.collect(), user_law: Some(judge) }
@@ -41,6 +41,16 @@ fn judge(energy: &str, parameters: &[(&str, &ParameterValue)]) -> Result<(), Law
     let refuse = |message: String| LawRefusal { parameter: None, message };
     let law = read(energy, parameters.iter().copied()).map_err(|e| refuse(format!("{e}\n{}", e.excerpt())))?;
     check::at_rest(&law.response()).map(|_| ()).map_err(|fault| refuse(fault.to_string()))
+}
+
+/// A number, or a direction that a scene writes as one list.
+fn argument(argument: Argument) -> ParameterEntry {
+    match argument {
+        Argument::Number(number) => parameter(number),
+        Argument::Direction { name, x } => {
+            ParameterEntry { name: name.to_owned(), shape: ParameterShape::Direction, ..parameter(x) }
+        }
+    }
 }
 
 fn parameter(parameter: &souple_laws::Parameter) -> ParameterEntry {

@@ -27,7 +27,10 @@ pub(super) fn parameters(law: &Law, material: &Material, findings: &mut Findings
                     continue;
                 }
             },
-            None => match (converted(material, parameter.name), parameter.default) {
+            None => match (
+                component(material, parameter.name).or_else(|| converted(material, parameter.name)),
+                parameter.default,
+            ) {
                 (Some((value, at, origin)), _) => (value, at, origin),
                 (None, Some(value)) => (value, &material.law.at, String::new()),
                 (None, None) => {
@@ -49,6 +52,17 @@ pub(super) fn parameters(law: &Law, material: &Material, findings: &mut Findings
         values.push(value);
     }
     (values.len() == law.parameters.len()).then_some(values)
+}
+
+/// A component of a direction that the scene gives as one list: `fibre_y` of `fibre`.
+fn component<'m>(material: &'m Material, name: &str) -> Option<(f64, &'m Location, String)> {
+    let (base, axis) = name.rsplit_once('_')?;
+    let axis = ["x", "y", "z"].iter().position(|a| *a == axis)?;
+    let given = material.parameter(base)?;
+    match &given.value {
+        ParameterValue::List(list) => Some((*list.get(axis)?, &given.at, String::new())),
+        ParameterValue::Number(_) => None,
+    }
 }
 
 /// An elastic constant from the pair that the scene gives, the place of that pair, and the words that say so.

@@ -445,14 +445,33 @@ fn the_catalogue_holds_every_law() {
     let catalogue = catalogue();
     for law in souple_laws::all() {
         let entry = catalogue.laws.iter().find(|entry| entry.id == law.id).expect("the law is listed");
-        let names: Vec<&str> = entry.parameters.iter().map(|p| p.name.as_str()).collect();
-        assert_eq!(names, law.parameters.iter().map(|p| p.name).collect::<Vec<_>>());
-        for (entry, parameter) in entry.parameters.iter().zip(law.parameters) {
+        let arguments = law.arguments();
+        assert_eq!(entry.parameters.len(), arguments.len(), "{}", law.id);
+        for (entry, argument) in entry.parameters.iter().zip(arguments) {
+            let parameter = match argument {
+                souple_laws::Argument::Number(parameter) => parameter,
+                souple_laws::Argument::Direction { name, .. } => {
+                    assert_eq!(entry.name, name);
+                    continue;
+                }
+            };
+            assert_eq!(entry.name, parameter.name);
             for value in [-2.0, -1.0, 0.0, 0.25, 0.5, 1.0, 1e9] {
                 assert_eq!(entry.range().contains(value), parameter.accepts(value), "{} {value}", parameter.name);
             }
         }
     }
+}
+
+/// A direction is one list in a scene and three parameters of the law; a zero one is refused at its line.
+#[test]
+fn directions_are_lists() {
+    let material = "[[body.material]]\nlaw = \"transverse-stvk\"\nyoung = 1e5\npoisson = 0.3\nyoung_fibre = 3e5\n";
+    let (model, _) = prepared(&format!("{HEAD}{BODY}{material}direction = [0, 3, 4]\n"));
+    assert_eq!(model.blocks[0].parameters, [1e5, 0.3, 3e5, 0.0, 3.0, 4.0]);
+    let text = format!("{HEAD}{BODY}{material}direction = [0, 0, 0]\n");
+    let fault = souple_scene::parse(&text, "scene.toml", &catalogue()).expect_err("no direction").to_string();
+    assert!(fault.contains("direction"), "{fault}");
 }
 
 /// The same scene gives the same blocks, nodes and loads, bit by bit.
