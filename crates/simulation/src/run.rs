@@ -313,7 +313,6 @@ impl Simulation {
             warm_start: if self.scene.linear_solver.warm_start { WarmStart::Previous } else { WarmStart::Zero },
         };
         let report = step(&mut self.system, &mut self.state, h, method, &options, &mut self.workspace);
-        // The time is a multiple of the step, not a sum of roundings.
         match report.status {
             StepStatus::Failed(failure) => return Err(failure.message),
             StepStatus::Unconverged(status) => {
@@ -331,6 +330,7 @@ impl Simulation {
                 linear.status
             ));
         }
+        // The time is a multiple of the step, not a sum of roundings.
         self.state.t = (self.steps + 1) as f64 * h;
         let damping = integrator.velocity_damping;
         if damping > 0.0 {

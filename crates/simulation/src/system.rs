@@ -96,8 +96,6 @@ impl System {
             }
         }
         let size = (0..3).map(|k| (high[k] - low[k]).powi(2)).sum::<f64>().sqrt();
-        // Matrix-free products need the blocks only for a preconditioner; the choice `auto` is for the matrix, whose
-        // product costs less per iteration than any other for the linear elements.
         let mut system = System {
             dimension: d,
             mass: spread(&masses.lumped, &|_| 1.0),
@@ -133,10 +131,12 @@ impl System {
         system
     }
 
+    /// Whether products use the matrix. `auto` does: for linear elements no other product costs less per iteration.
     fn assembled_product(&self) -> bool {
         self.solver.operator.value != Operator::MatrixFree
     }
 
+    /// Whether a matrix is kept at all: for products, for factors, or for the blocks of a preconditioner.
     fn needs_matrix(&self) -> bool {
         self.assembled_product()
             || self.solver.method.value == LinearMethod::Direct

@@ -41,7 +41,7 @@ pub enum Function {
     /// r₁ + r₂ + r₃ for the numbers with a = r₁² + r₂² + r₃², b = r₁²r₂² + r₂²r₃² + r₃²r₁² and c = r₁r₂r₃, at most one
     /// of which is negative, the smallest: the trace of the square root of a symmetric matrix from its invariants.
     ///
-    /// It is the largest root s of s⁴ − 2a s² − 8c s + a² − 4b (Hoger and Carlson 1984, eq. 2.7 rearranged), and smooth
+    /// It is the largest root s of s⁴ − 2a s² − 8c s + a² − 4b (Hoger and Carlson 1984), and smooth
     /// wherever no two of the numbers cancel.
     RootSum,
 }
