@@ -8,6 +8,7 @@
 
 mod checks;
 mod rust_source;
+mod scratch;
 mod stages;
 mod workspace;
 

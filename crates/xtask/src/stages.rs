@@ -1,6 +1,6 @@
 //! The stages of `cargo xtask test`, in order: what is cheap and finds most comes first.
 
-use crate::checks::{arrows, documents, format, lint, names, scenes, tests, text, words};
+use crate::checks::{arrows, documents, format, lint, names, newcomer, reference_data, scenes, tests, text, words};
 use crate::workspace::Workspace;
 
 /// One stage.
@@ -66,7 +66,17 @@ pub(crate) static ALL: &[Stage] = &[
         about: "README's commands exist, links in Markdown lead somewhere",
         run: documents::run,
     },
+    Stage {
+        name: "data",
+        about: "every law and element here has its reference numbers and counted operations",
+        run: reference_data::run,
+    },
     Stage { name: "clippy", about: "no compiler or clippy warning anywhere", run: lint::run },
     Stage { name: "tests", about: "unit, integration and documentation tests", run: tests::run },
+    Stage {
+        name: "newcomer",
+        about: "a law and an element dropped into a copy are found and tested without any other edit",
+        run: newcomer::run,
+    },
     Stage { name: "scenes", about: "every scene with expected values gives them", run: scenes::run },
 ];

@@ -66,9 +66,7 @@ impl Workspace {
         let root = PathBuf::from(text(&metadata, "workspace_root")?);
         let target = PathBuf::from(text(&metadata, "target_directory")?);
         let packages = list(&metadata, "packages")?.iter().map(package).collect::<Result<_, _>>()?;
-        let mut files = Vec::new();
-        walk(&root, &root, &mut files)?;
-        files.sort();
+        let files = files_below(&root)?;
         Ok(Workspace { root, target, packages, files })
     }
 
@@ -87,6 +85,14 @@ impl Workspace {
 /// The cargo that started us, or the one on the path.
 pub(crate) fn cargo() -> String {
     std::env::var("CARGO").unwrap_or_else(|_| "cargo".into())
+}
+
+/// Every file below a folder that a person wrote, relative to it with `/` between names, sorted.
+pub(crate) fn files_below(root: &Path) -> Result<Vec<String>, String> {
+    let mut files = Vec::new();
+    walk(root, root, &mut files)?;
+    files.sort();
+    Ok(files)
 }
 
 fn walk(root: &Path, folder: &Path, files: &mut Vec<String>) -> Result<(), String> {

@@ -3,6 +3,7 @@
 use crate::sample::largest;
 use souple_laws::Response;
 use souple_laws::response::{Tensor, tensor_from_fn};
+use std::collections::BTreeSet;
 
 /// One line of the data: a law at a deformation.
 struct Answer {
@@ -41,11 +42,16 @@ fn answers() -> Vec<Answer> {
 }
 
 /// Energies and stresses are those of the data, to round-off, for stretches, shears, changes of volume and
-/// inversions; every law has some.
+/// inversions, at two deformations or more of every law that the data name.
+///
+/// A law that has just been dropped into the folder has no numbers yet and is left out: `cargo xtask test --only data`
+/// asks for them.
 #[test]
 fn stresses_are_those_of_the_data() {
     let answers = answers();
-    for law in souple_laws::all() {
+    let laws: BTreeSet<&str> = answers.iter().map(|answer| answer.law.as_str()).collect();
+    for id in laws {
+        let law = souple_laws::by_id(id).unwrap_or_else(|| panic!("tests/data/stresses.txt: no law is called `{id}`"));
         let mut compared = 0;
         for answer in answers.iter().filter(|answer| answer.law == law.id) {
             let value = |name: &str| answer.parameters.iter().find(|p| p.0 == name).map(|p| p.1);
@@ -59,6 +65,6 @@ fn stresses_are_those_of_the_data() {
             assert!(error <= 1e-13 * size, "{}: {stress:?} instead of {:?}", answer.place, answer.stress);
             compared += 1;
         }
-        assert!(compared >= 2, "tests/data/stresses.txt has no numbers for `{}`: compute some (see make.py)", law.id);
+        assert!(compared >= 2, "tests/data/stresses.txt has one deformation of `{id}`: compute more (see make.py)");
     }
 }

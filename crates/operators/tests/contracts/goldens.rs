@@ -38,12 +38,31 @@ fn compare(name: &str, found: &str) {
 }
 
 /// Operations and carried values of every law are those of `goldens/counts/LAW.txt`: a file per law, so that a new law
-/// touches no other's.
+/// touches no other's, and in it a paragraph per element.
+///
+/// A law or an element that has just been dropped into its folder has no counts yet: its own are computed, and left out
+/// of the comparison. `cargo xtask test --only data` asks for them.
 #[test]
 fn counts_are_golden() {
+    let blessing = std::env::var_os("SOUPLE_BLESS").is_some();
     for law in souple_laws::all() {
-        compare(&format!("counts/{}.txt", law.id), &table(law));
+        let name = format!("counts/{}.txt", law.id);
+        let path = format!("{}/tests/goldens/{name}", env!("CARGO_MANIFEST_DIR"));
+        let found = table(law);
+        match std::fs::read_to_string(&path) {
+            Ok(golden) if !blessing => compare(&name, &known(&golden, &found)),
+            Err(e) if !blessing => assert!(e.kind() == std::io::ErrorKind::NotFound, "{path}: {e}"),
+            _ => compare(&name, &found),
+        }
     }
+}
+
+/// The paragraphs of `found` about elements that `golden` speaks of, and its head.
+fn known(golden: &str, found: &str) -> String {
+    let element = |paragraph: &str| paragraph.split_whitespace().next().map(str::to_owned);
+    let elements: Vec<_> = golden.split("\n\n").map(element).collect();
+    let kept: Vec<&str> = found.trim_end().split("\n\n").filter(|p| elements.contains(&element(p))).collect();
+    kept.join("\n\n") + "\n"
 }
 
 /// The text of two programs is that of the golden files, and reads back as the same program.

@@ -10,13 +10,17 @@ use std::process::Command;
 /// Folders whose files are modules that no `mod` line names.
 pub(crate) const SCANNED: &[&str] = &["crates/elements/src/elements/", "crates/laws/src/laws/"];
 
+/// Files that are put into a scanned folder of a copy (see [`newcomer`](super::newcomer)).
+pub(crate) const NEWCOMERS: &str = "crates/xtask/newcomers/";
+
 pub(crate) fn run(workspace: &Workspace) -> Outcome {
     let mut findings = Vec::new();
     let mut all = Command::new(cargo());
     all.current_dir(&workspace.root).args(["fmt", "--all", "--", "--check"]);
     judge(all, "run `cargo fmt --all`", &mut findings);
 
-    let files: Vec<&str> = SCANNED.iter().flat_map(|folder| workspace.files_in(folder, "rs")).collect();
+    let folders = SCANNED.iter().chain([&NEWCOMERS]);
+    let files: Vec<&str> = folders.flat_map(|folder| workspace.files_in(folder, "rs")).collect();
     let mut scanned = Command::new("rustfmt");
     scanned.current_dir(&workspace.root).args(["--edition", "2024", "--check"]).args(&files);
     judge(scanned, "run `rustfmt --edition 2024` on the scanned files", &mut findings);

@@ -2,7 +2,7 @@
 //!
 //! What can be checked by name is checked by name; that the derivatives are right is the tests' part, and they derive.
 
-use crate::checks::format::SCANNED;
+use crate::checks::format::{NEWCOMERS, SCANNED};
 use crate::rust_source::{code_only, identifiers, words};
 use crate::stages::Outcome;
 use crate::workspace::Workspace;
@@ -31,7 +31,7 @@ const DERIVED: &[&str] = &[
 pub(crate) fn run(workspace: &Workspace) -> Outcome {
     let mut findings = Vec::new();
     let mut count = 0;
-    for folder in SCANNED {
+    for folder in SCANNED.iter().chain([&NEWCOMERS]) {
         for file in workspace.files_in(folder, "rs") {
             count += 1;
             match workspace.read(file) {
