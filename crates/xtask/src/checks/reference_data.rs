@@ -15,6 +15,8 @@ const ELEMENTS: &str = "crates/elements/src/elements/";
 const STRESSES: &str = "crates/laws/tests/data/stresses.txt";
 /// Operations of every law on the elements: a file per law, a paragraph per element.
 const COUNTS: &str = "crates/operators/tests/goldens/counts/";
+/// Observed orders of convergence, a row per element.
+const ORDERS: &str = "docs/validation.md";
 /// Laws that are counted on every element; the others leave out the large ones, all the same.
 const ON_ALL: [&str; 2] = ["hooke", "stvk"];
 
@@ -33,6 +35,10 @@ pub(crate) fn run(workspace: &Workspace) -> Outcome {
     let counts: Vec<(&str, Option<String>)> =
         laws.iter().map(|law| (law.as_str(), workspace.read(&format!("{COUNTS}{law}.txt")).ok())).collect();
     findings.extend(without_counts(&counts, &elements));
+    match workspace.read(ORDERS) {
+        Ok(text) => findings.extend(without_orders(&elements, &text)),
+        Err(complaint) => findings.push(complaint),
+    }
     Outcome::of(findings, || format!("{} laws, {} elements", laws.len(), elements.len()))
 }
 
@@ -85,9 +91,28 @@ fn without_counts(counts: &[(&str, Option<String>)], elements: &BTreeSet<String>
     findings
 }
 
+/// Elements without a row in the table of orders.
+fn without_orders(elements: &BTreeSet<String>, page: &str) -> Vec<String> {
+    let lacking = elements.iter().filter(|e| !page.contains(&format!("\n| {e} | Hooke | smooth |")));
+    lacking
+        .map(|e| {
+            format!("{ORDERS}: no row for `{e}`: `cargo test -p souple-operators --test convergence -- --nocapture` prints it")
+        })
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// An element needs a row of its own with Hooke's law.
+    #[test]
+    fn missing_orders_are_found() {
+        let elements: BTreeSet<String> = ["quad4", "quad8"].map(str::to_owned).into();
+        let page = "text\n| quad8 | Hooke | smooth | 8, 16 |\n| quad4 | Hooke | trapezoids | 8, 16 |\n";
+        let found = without_orders(&elements, page);
+        assert!(found.len() == 1 && found[0].contains("`quad4`"), "{found:?}");
+    }
 
     /// A law needs two lines of its own name, not of a name that begins like it.
     #[test]
