@@ -1,21 +1,33 @@
 #![expect(
     unsafe_code,
-    reason = "a function compiled for an instruction set may be called only where that set was found"
+    reason = "machine code runs outside the language, and a function compiled for an instruction set may be called only \
+              where that set was found"
 )]
 //! Programs on the processor's widest vectors.
 //!
+//! On x86-64 with AVX-512 or AVX2 a program becomes machine code when it is first run (see
+//! [the design note](../../../docs/design/machine-code.md)); anywhere else, and where the system forbids executable
+//! pages, the interpreter's loops run it, compiled for whatever vectors there are.
+//!
 //! The instruction set is chosen when the backend is opened, from what the processor reports; [`Backend::about`] says
-//! which. The interpreter's loops are compiled once per set.
+//! which.
+
+mod interpreted;
+#[cfg(target_arch = "x86_64")]
+mod machine;
+
+#[cfg(target_arch = "x86_64")]
+pub use machine::{Figures, figures};
 
 use souple_kernels::plan::{Plan, plan};
-use souple_kernels::{About, Backend, CompileError, Input, Kernel, LANES, Scratch, execute};
+use souple_kernels::{About, Backend, CompileError, Input, Kernel, Scratch};
 use souple_program::{Program, verify};
 use std::sync::Arc;
 
 /// A set of vector instructions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InstructionSet {
-    /// AVX-512F: 8 doubles.
+    /// AVX-512F and VL: 8 doubles.
     Avx512,
     /// AVX2 with fused multiply-add: 4 doubles.
     Avx2,
@@ -36,16 +48,39 @@ impl InstructionSet {
         }
     }
 
+    /// What runs programs with it, in words.
+    pub fn description(self) -> &'static str {
+        match self {
+            InstructionSet::Avx512 => "machine code for AVX-512, 8 doubles per operation",
+            InstructionSet::Avx2 => "machine code for AVX2 with FMA, 4 doubles per operation",
+            InstructionSet::Baseline => "interpreter, loops compiled for any processor of the family",
+        }
+    }
+
     /// Whether this processor has it.
     pub fn available(self) -> bool {
         #[cfg(target_arch = "x86_64")]
         match self {
-            InstructionSet::Avx512 => is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("fma"),
+            InstructionSet::Avx512 => {
+                is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512vl")
+                    && InstructionSet::Avx2.available()
+            }
             InstructionSet::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
             InstructionSet::Baseline => true,
         }
         #[cfg(not(target_arch = "x86_64"))]
         matches!(self, InstructionSet::Baseline)
+    }
+
+    /// What machine code is made for, where it is.
+    #[cfg(target_arch = "x86_64")]
+    fn target(self) -> Option<machine::Target> {
+        match self {
+            InstructionSet::Avx512 => Some(machine::Target::Avx512),
+            InstructionSet::Avx2 => Some(machine::Target::Avx2),
+            InstructionSet::Baseline => None,
+        }
     }
 }
 
@@ -65,7 +100,7 @@ impl Cpu {
 
     /// With a given instruction set; `None` when this processor lacks it.
     pub fn with(set: InstructionSet) -> Option<Cpu> {
-        let description = format!("vector interpreter, {}, {LANES} doubles per group", set.name());
+        let description = set.description().to_string();
         set.available().then(|| Cpu { about: About { name: "cpu".into(), description }, set })
     }
 }
@@ -77,44 +112,39 @@ impl Backend for Cpu {
 
     fn compile(&self, program: &Program) -> Result<Arc<dyn Kernel>, CompileError> {
         verify(program)?;
-        Ok(Arc::new(Vectorised { program: program.clone(), plan: plan(program), set: self.set }))
+        Ok(Arc::new(Compiled {
+            program: program.clone(),
+            plan: plan(program),
+            set: self.set,
+            #[cfg(target_arch = "x86_64")]
+            machine: self.set.target().map(machine::Machine::new),
+        }))
     }
 }
 
-struct Vectorised {
+struct Compiled {
     program: Program,
+    /// For the interpreter.
     plan: Plan,
     set: InstructionSet,
+    #[cfg(target_arch = "x86_64")]
+    machine: Option<machine::Machine>,
 }
 
-impl Kernel for Vectorised {
+impl Kernel for Compiled {
     fn program(&self) -> &Program {
         &self.program
     }
 
     fn run(&self, scratch: &mut Scratch, groups: usize, inputs: &[Input<'_>], outputs: &mut [&mut [f64]]) {
-        match self.set {
-            // SAFETY: `Cpu::with` checked that this processor has the instruction set before making the backend.
-            #[cfg(target_arch = "x86_64")]
-            InstructionSet::Avx512 => unsafe { avx512(&self.program, &self.plan, scratch, groups, inputs, outputs) },
-            // SAFETY: as above.
-            #[cfg(target_arch = "x86_64")]
-            InstructionSet::Avx2 => unsafe { avx2(&self.program, &self.plan, scratch, groups, inputs, outputs) },
-            _ => execute::<false>(&self.program, &self.plan, scratch, groups, inputs, outputs),
+        #[cfg(target_arch = "x86_64")]
+        if let Some(machine) = &self.machine
+            && machine.run(&self.program, scratch, groups, inputs, outputs)
+        {
+            return;
         }
+        interpreted::run(self.set, &self.program, &self.plan, scratch, groups, inputs, outputs);
     }
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,fma")]
-fn avx512(p: &Program, plan: &Plan, s: &mut Scratch, groups: usize, inputs: &[Input<'_>], outputs: &mut [&mut [f64]]) {
-    execute::<true>(p, plan, s, groups, inputs, outputs);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-fn avx2(p: &Program, plan: &Plan, s: &mut Scratch, groups: usize, inputs: &[Input<'_>], outputs: &mut [&mut [f64]]) {
-    execute::<true>(p, plan, s, groups, inputs, outputs);
 }
 
 #[cfg(test)]
@@ -130,6 +160,7 @@ mod tests {
         for set in InstructionSet::ALL {
             if let Some(cpu) = Cpu::with(set) {
                 conformance::random_programs(&cpu, 7, 100);
+                conformance::long_programs(&cpu, 8);
             }
         }
     }

@@ -128,7 +128,30 @@ fn random_op(random: &mut Random, known: &[Value]) -> Op {
     }
 }
 
-/// Compares a backend with the oracle on one program, with gathered, laned and uniform inputs.
+/// How an input of a test arrives.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Uniform,
+    Lanes,
+    /// In rows of this length.
+    Gathered(usize),
+}
+
+impl Kind {
+    /// Any way in which a buffer of this length can arrive: rows have a length that divides it.
+    fn any(len: usize, random: &mut Random) -> Kind {
+        match random.below(4) {
+            0 => Kind::Uniform,
+            1 => Kind::Lanes,
+            _ => {
+                let widths: Vec<usize> = (1..=len).filter(|w| len.is_multiple_of(*w)).collect();
+                Kind::Gathered(widths[random.below(widths.len())])
+            }
+        }
+    }
+}
+
+/// Compares a backend with the oracle on one program, with inputs that arrive in any way.
 ///
 /// # Panics
 /// When a value differs by more than the oracle's bound; the message holds the program's text.
@@ -137,33 +160,24 @@ pub fn compare(backend: &dyn Backend, program: &Program, random: &mut Random) {
     let items = groups * LANES;
     let kernel = backend.compile(program).unwrap_or_else(|e| panic!("{e}\n{}", print(program)));
     let points = program.points;
+    let kinds: Vec<Kind> = program.inputs.iter().map(|b| Kind::any(b.len, random)).collect();
     let mut data: Vec<Vec<f64>> = Vec::new();
     let mut rows: Vec<Vec<u32>> = Vec::new();
-    for (k, b) in program.inputs.iter().enumerate() {
-        let count = if k == 0 { b.total(points) } else { items * b.total(points) };
+    for (kind, b) in kinds.iter().zip(&program.inputs) {
+        let total = b.total(points);
+        let (count, row_count) = match kind {
+            Kind::Uniform => (total, 0),
+            Kind::Lanes => (items * total, 0),
+            Kind::Gathered(width) => (items * width, items * (total / width)),
+        };
         data.push((0..count).map(|_| random.between(-2.0, 2.0)).collect());
-        rows.push((0..items * b.len / 3).map(|_| random.below(items) as u32).collect());
+        rows.push((0..row_count).map(|_| random.below(items) as u32).collect());
     }
-    // The first buffer is uniform, one that is per point is laned, the others are gathered in rows of three.
-    let kinds: Vec<usize> = program
-        .inputs
-        .iter()
-        .enumerate()
-        .map(|(k, b)| {
-            if k == 0 {
-                0
-            } else if b.per_point {
-                1
-            } else {
-                2
-            }
-        })
-        .collect();
     let inputs: Vec<Input<'_>> = (0..kinds.len())
         .map(|k| match kinds[k] {
-            0 => Input::Uniform(&data[k]),
-            1 => Input::Lanes(&data[k]),
-            _ => Input::Gathered { values: &data[k], rows: &rows[k], width: 3 },
+            Kind::Uniform => Input::Uniform(&data[k]),
+            Kind::Lanes => Input::Lanes(&data[k]),
+            Kind::Gathered(width) => Input::Gathered { values: &data[k], rows: &rows[k], width },
         })
         .collect();
     let mut outputs: Vec<Vec<f64>> = program.outputs.iter().map(|b| vec![f64::NAN; items * b.total(points)]).collect();
@@ -179,9 +193,11 @@ pub fn compare(backend: &dyn Backend, program: &Program, random: &mut Random) {
                 let n = b.total(points);
                 (0..n)
                     .map(|row| match kinds[k] {
-                        0 => data[k][row],
-                        1 => data[k][(group * n + row) * LANES + lane],
-                        _ => data[k][rows[k][(group * (n / 3) + row / 3) * LANES + lane] as usize * 3 + row % 3],
+                        Kind::Uniform => data[k][row],
+                        Kind::Lanes => data[k][(group * n + row) * LANES + lane],
+                        Kind::Gathered(w) => {
+                            data[k][rows[k][(group * (n / w) + row / w) * LANES + lane] as usize * w + row % w]
+                        }
                     })
                     .collect()
             })

@@ -286,7 +286,7 @@ pub fn devices() -> Vec<DeviceEntry> {
     }];
     for set in InstructionSet::ALL {
         let opened = Cpu::with(set);
-        let lacking = || format!("vector interpreter, {}: this processor lacks it", set.name());
+        let lacking = || format!("{}: this processor lacks it", set.description());
         entries.push(DeviceEntry {
             id: format!("cpu:{}", set.name()),
             about: opened.as_ref().map_or_else(lacking, |c| c.about().description.clone()),

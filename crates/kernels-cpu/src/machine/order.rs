@@ -1,0 +1,151 @@
+//! Orders in which the work of a part may run.
+//!
+//! Fewer values alive at once need fewer registers, and which order keeps them few differs from program to program;
+//! so there are several, and whoever allocates registers takes the one that moves the least data.
+//! All are deterministic.
+
+use super::flow::{Id, NONE, Part, What, Work};
+use std::collections::HashMap;
+
+/// A way to order work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Ordering {
+    /// As the program has it.
+    Given,
+    /// From each effect down to what it needs, the side that needs more first (Sethi and Ullman, "The generation of
+    /// optimal code for arithmetic expressions", 1970, as a heuristic on a graph).
+    Depth,
+    /// What frees most values next, then what was made possible last.
+    Greedy,
+}
+
+impl Ordering {
+    /// All of them.
+    pub(crate) const ALL: [Ordering; 3] = [Ordering::Given, Ordering::Depth, Ordering::Greedy];
+}
+
+/// What each piece of work waits for.
+struct Waits {
+    /// Pieces before each piece.
+    before: Vec<Vec<u32>>,
+    /// Pieces after each piece.
+    after: Vec<Vec<u32>>,
+}
+
+fn waits(work: &[Work]) -> Waits {
+    let mut maker: HashMap<Id, u32> = HashMap::new();
+    let mut w = Waits { before: vec![Vec::new(); work.len()], after: vec![Vec::new(); work.len()] };
+    for (k, piece) in work.iter().enumerate() {
+        for id in piece.reads() {
+            if let Some(&m) = maker.get(&id)
+                && !w.before[k].contains(&m)
+            {
+                w.before[k].push(m);
+                w.after[m as usize].push(k as u32);
+            }
+        }
+        for id in piece.makes() {
+            maker.insert(id, k as u32);
+        }
+    }
+    w
+}
+
+/// The work of a part in another order; `outlives` says which values are read after the part.
+pub(crate) fn ordered(part: &Part, ordering: Ordering, outlives: &dyn Fn(Id) -> bool) -> Vec<Work> {
+    let work = &part.work;
+    let order = match ordering {
+        Ordering::Given => return work.clone(),
+        Ordering::Depth => depth(work, &waits(work)),
+        Ordering::Greedy => greedy(work, &waits(work), outlives),
+    };
+    order.into_iter().map(|k| work[k as usize]).collect()
+}
+
+fn depth(work: &[Work], w: &Waits) -> Vec<u32> {
+    // Registers that a tree would need.
+    let mut need = vec![1u32; work.len()];
+    for k in 0..work.len() {
+        let mut below: Vec<u32> = w.before[k].iter().map(|b| need[*b as usize]).collect();
+        below.sort_unstable_by(|a, b| b.cmp(a));
+        need[k] = below.iter().enumerate().map(|(i, n)| n + i as u32).max().unwrap_or(1);
+    }
+    let mut done = vec![false; work.len()];
+    let mut order = Vec::with_capacity(work.len());
+    let mut stack: Vec<(u32, bool)> = Vec::new();
+    for root in (0..work.len()).filter(|k| w.after[*k].is_empty()) {
+        stack.push((root as u32, false));
+        while let Some((k, ready)) = stack.pop() {
+            if done[k as usize] {
+                continue;
+            }
+            if ready {
+                done[k as usize] = true;
+                order.push(k);
+                continue;
+            }
+            stack.push((k, true));
+            let mut below: Vec<u32> = w.before[k as usize].iter().copied().filter(|b| !done[*b as usize]).collect();
+            // The neediest is pushed last and so runs first.
+            below.sort_by_key(|b| (need[*b as usize], std::cmp::Reverse(*b)));
+            stack.extend(below.into_iter().map(|b| (b, false)));
+        }
+    }
+    order
+}
+
+/// How many ready pieces are looked at for each choice; bounds the time on long parts.
+const LOOK: usize = 64;
+
+fn greedy(work: &[Work], w: &Waits, outlives: &dyn Fn(Id) -> bool) -> Vec<u32> {
+    let mut readers: HashMap<Id, u32> = HashMap::new();
+    for piece in work {
+        for id in distinct(piece) {
+            *readers.entry(id).or_insert(0) += 1;
+        }
+    }
+    let mut missing: Vec<u32> = w.before.iter().map(|b| b.len() as u32).collect();
+    let made_here: HashMap<Id, ()> = work.iter().flat_map(|p| p.makes()).map(|id| (id, ())).collect();
+    let mut ready: Vec<u32> = (0..work.len() as u32).rev().filter(|k| missing[*k as usize] == 0).collect();
+    let mut order = Vec::with_capacity(work.len());
+    while !ready.is_empty() {
+        let from = ready.len().saturating_sub(LOOK);
+        let gain = |k: u32| -> i32 {
+            let piece = &work[k as usize];
+            let freed = distinct(piece)
+                .filter(|id| made_here.contains_key(id) && readers[id] == 1 && !outlives(*id))
+                .count() as i32;
+            let makes = piece.makes().filter(|id| !piece.args.contains(id)).count() as i32;
+            let store = i32::from(matches!(piece.what, What::Store { .. }));
+            freed + store - makes
+        };
+        // The latest of the best.
+        let mut best = (i32::MIN, from);
+        for at in from..ready.len() {
+            let g = gain(ready[at]);
+            if g >= best.0 {
+                best = (g, at);
+            }
+        }
+        let k = ready.remove(best.1);
+        order.push(k);
+        for id in distinct(&work[k as usize]) {
+            if let Some(n) = readers.get_mut(&id) {
+                *n -= 1;
+            }
+        }
+        for &next in w.after[k as usize].iter().rev() {
+            missing[next as usize] -= 1;
+            if missing[next as usize] == 0 {
+                ready.push(next);
+            }
+        }
+    }
+    order
+}
+
+/// Values that a piece reads, each once.
+fn distinct(piece: &Work) -> impl Iterator<Item = Id> + use<> {
+    let a = piece.args;
+    (0..3).filter(move |&k| a[k] != NONE && !a[..k].contains(&a[k])).map(move |k| a[k])
+}
