@@ -62,6 +62,10 @@ pub struct Definition {
     pub point_gradients: Vec<Matrix>,
     /// Weights times volume elements in m³ at the quadrature points, likewise.
     pub point_volumes: Vec<Expr>,
+    /// Gradients ∇N_a in 1/m at the quadrature points, [point][node][axis], likewise.
+    pub point_slopes: Vec<Vec<Vec<Expr>>>,
+    /// Whether gradients sum to zero over the nodes, so that the first node's forces balance those of the others.
+    pub rows_sum_to_zero: bool,
 }
 
 /// One quadrature point, or all of them at once when loops are rolled.
@@ -118,6 +122,7 @@ pub fn define(element: &Element, law: &Law, rule: &Rule, loops: Loops) -> Defini
     let mut volumes = Vec::new();
     let mut volume_ratio = Vec::new();
     let mut point_gradients = Vec::new();
+    let mut point_slopes = Vec::new();
     let identity = Matrix::identity(g, 3);
     let ratio = identity.add(g, &displacement_gradient).determinant(g);
     for point in &points {
@@ -146,6 +151,7 @@ pub fn define(element: &Element, law: &Law, rule: &Rule, loops: Loops) -> Defini
         let second = g.substitute(&second_derivatives, &replaced);
         let weighted: Vec<Expr> = second.into_iter().map(|s| g.mul(volume, s)).collect();
         blocks.push(block_terms(g, &weighted, d, &gradients, constant_sum));
+        point_slopes.push(gradients);
         volumes.push(volume);
         point_gradients.push(plane);
     }
@@ -196,6 +202,8 @@ pub fn define(element: &Element, law: &Law, rule: &Rule, loops: Loops) -> Defini
         stress,
         point_gradients,
         point_volumes: volumes,
+        point_slopes,
+        rows_sum_to_zero: constant_sum,
         graph,
     }
 }
@@ -264,7 +272,7 @@ fn interpolate_gradient(g: &mut Graph, x: &[Expr], slopes: &[Vec<Expr>], d: usiz
 
 /// The contributions of one point to the blocks (a, b), a ≤ b, of the nodes after the first (of all nodes when slopes
 /// do not sum to zero): `K_ab,im = Σ_jl ∇N_a,j ∂²W/∂H_ij∂H_ml ∇N_b,l`.
-fn block_terms(
+pub(crate) fn block_terms(
     g: &mut Graph,
     second_derivatives: &[Expr],
     d: usize,
@@ -300,7 +308,7 @@ fn block_terms(
 }
 
 /// All blocks of the upper triangle from those of the nodes after the first: rows of a tangent sum to zero.
-fn complete_blocks(g: &mut Graph, terms: Vec<Expr>, n: usize, d: usize, differences: bool) -> Vec<Expr> {
+pub(crate) fn complete_blocks(g: &mut Graph, terms: Vec<Expr>, n: usize, d: usize, differences: bool) -> Vec<Expr> {
     if !differences {
         return terms;
     }

@@ -12,11 +12,16 @@
 //! m_a = Σ_q w_q det(∂X/∂ξ) ρ N_a          mass and consistent load per unit of acceleration
 //! ```
 //!
-//! Everything else follows by differentiation here, and by staging in `souple-program`. What an element shows of its
-//! stress and strain is written apart, by [`averages()`].
+//! Everything else follows by differentiation here, and by staging in `souple-program`. Written apart, because few
+//! simulations want them: what an element shows of its stress and strain ([`averages()`]), viscosity
+//! ([`dissipation()`]), and tangents with moduli changed from outside ([`moduli()`]).
 
 mod averages;
 mod definition;
+mod dissipation;
+mod moduli;
 
 pub use averages::{Averages, SYMMETRIC, averages};
 pub use definition::{Definition, Loops, define};
+pub use dissipation::{Dissipation, dissipation};
+pub use moduli::{Moduli, moduli};

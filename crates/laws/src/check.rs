@@ -5,11 +5,13 @@
 
 mod curves;
 mod dense;
+mod inversion;
 mod plot;
 mod random;
 mod rest;
 
 pub use curves::{Curve, CurveKind, CurvePoint, Ranges, curves};
+pub use inversion::{Inversion, inversion};
 pub use plot::svg;
 pub use rest::{AtRest, SmallStrain, at_rest};
 

@@ -16,6 +16,8 @@ pub struct BlockSpec {
     pub parameters: Vec<f64>,
     /// Density in kg/m³.
     pub density: f64,
+    /// Shear viscosity η and bulk viscosity ζ of Kelvin–Voigt in Pa s, if there is any.
+    pub viscosity: Option<[f64; 2]>,
     /// Global node indices, [element, local node].
     pub connectivity: Vec<u32>,
     /// Number of each element in the caller's own order, for messages and fields.

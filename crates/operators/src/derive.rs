@@ -1,7 +1,7 @@
 //! From a definition to programs.
 
 use souple_elements::{Element, Rule};
-use souple_forms::{Averages, Definition, Loops, averages, define};
+use souple_forms::{Averages, Definition, Dissipation, Loops, Moduli, averages, define, dissipation, moduli};
 use souple_laws::Law;
 use souple_program::{BufferRequest, Costs, LINEARISE, OutputRequest, SETUP, Staged, stage};
 use souple_symbols::Time;
@@ -82,6 +82,44 @@ pub fn derive_averages(derived: &Derived, costs: Costs) -> Staged {
         cached: false,
     });
     stage(&graph, &leaves(&derived.definition), &outputs, costs)
+}
+
+/// Derives Kelvin–Voigt viscosity ([`Dissipation`]): the programs `damping_apply` (C v) and `damping_blocks`, with the
+/// `setup` and `linearise` that carry values to them. They read the buffer `viscosity` (η, ζ) besides.
+///
+/// A family of its own: the programs of purely elastic materials stay what they are.
+pub fn derive_viscosity(derived: &Derived, costs: Costs) -> Staged {
+    let Dissipation { graph, viscosity, product, blocks } = dissipation(&derived.definition);
+    let mut inputs = leaves(&derived.definition).to_vec();
+    inputs.push(BufferRequest { name: "viscosity".into(), leaves: viscosity.to_vec() });
+    let outputs = [("damping_apply", Time::Apply, product, true), ("damping_blocks", Time::Step, blocks, false)].map(
+        |(name, time, values, cached)| OutputRequest { program: name.into(), time, name: name.into(), values, cached },
+    );
+    stage(&graph, &inputs, &outputs, costs)
+}
+
+/// Derives tangents with given moduli ([`Moduli`]): the programs `moduli` (the law's own, per point), `moduli_apply` and
+/// `moduli_blocks`, which read the buffer `moduli` (per point) and what `setup` carries.
+///
+/// # Panics
+/// When the loops of the association are written out.
+pub fn derive_moduli(derived: &Derived, costs: Costs) -> Staged {
+    let Moduli { graph, given, own, tangent_apply, tangent_blocks } = moduli(&derived.definition);
+    let mut inputs = leaves(&derived.definition).to_vec();
+    inputs.push(BufferRequest { name: "moduli".into(), leaves: given });
+    let outputs = [
+        ("moduli", Time::Step, own, false),
+        ("moduli_apply", Time::Apply, tangent_apply, true),
+        ("moduli_blocks", Time::Apply, tangent_blocks, true),
+    ]
+    .map(|(name, time, values, cached)| OutputRequest {
+        program: name.into(),
+        time,
+        name: name.into(),
+        values,
+        cached,
+    });
+    stage(&graph, &inputs, &outputs, costs)
 }
 
 /// The buffers that programs read leaves from.

@@ -6,10 +6,12 @@
 //! same to the last bit for any number of threads.
 
 use crate::averages::{Average, Mean};
+use crate::companion::{Carried, Companion, Family};
 use crate::derive::{Association, Derived, derive, derive_averages};
-use crate::{BlockSpec, Threads};
+use crate::{BlockSpec, Tangent, Threads};
 use souple_forms::Loops;
 use souple_kernels::{Backend, CompileError, Input, Kernel, LANES, Scratch};
+use souple_laws::check::{Inversion, inversion};
 use souple_program::Costs;
 use souple_solver::BlockCsr;
 use std::sync::Arc;
@@ -21,27 +23,28 @@ const TASK: usize = 64;
 pub struct Elements {
     dimension: usize,
     node_count: usize,
-    blocks: Vec<Block>,
+    pub(crate) blocks: Vec<Block>,
+    pub(crate) tangent: Tangent,
     /// Contributions per node: `places[starts[n]..starts[n + 1]]` are (block, first place) pairs.
     starts: Vec<usize>,
     places: Vec<(u32, u32)>,
-    threads: Arc<Threads>,
-    scratch: Vec<Scratch>,
+    pub(crate) threads: Arc<Threads>,
+    pub(crate) scratch: Vec<Scratch>,
 }
 
-struct Block {
-    spec: BlockSpec,
-    derived: Arc<Derived>,
-    groups: usize,
+pub(crate) struct Block {
+    pub(crate) spec: BlockSpec,
+    pub(crate) derived: Arc<Derived>,
+    pub(crate) groups: usize,
     /// Rest positions of all nodes, [node, axis].
     rest: Arc<Vec<f64>>,
     /// Node of each lane, [group][node][lane]; lanes beyond the last element repeat it.
     rows: Vec<u32>,
     kernels: Kernels,
-    /// Values carried from the set-up, once and per point.
-    setup: [Vec<f64>; 2],
-    /// Values carried from the linearisation, likewise.
-    step: [Vec<f64>; 2],
+    carried: Carried,
+    inversion: Inversion,
+    pub(crate) viscous: Option<Companion>,
+    pub(crate) projected: Option<Companion>,
     /// Contributions to nodal vectors, [group][node, axis][lane].
     partial: Vec<f64>,
     /// Tangent blocks of one task's groups at a time.
@@ -125,8 +128,17 @@ impl Elements {
             blocks.push(Block::new(spec, derived, backend, &rest, dimension, &mut masses)?);
         }
         let (starts, places) = contributions(&blocks, nodes.len(), dimension);
-        let elements =
-            Elements { dimension, node_count: nodes.len(), blocks, starts, places, threads, scratch: Vec::new() };
+        let mut elements = Elements {
+            dimension,
+            node_count: nodes.len(),
+            blocks,
+            tangent: Tangent::Exact,
+            starts,
+            places,
+            threads,
+            scratch: Vec::new(),
+        };
+        elements.set_up_viscosity(backend, costs)?;
         Ok((elements, masses))
     }
 
@@ -161,7 +173,7 @@ impl Elements {
     pub fn each_energy(&mut self, u: &[f64], mut give: impl FnMut(u32, f64)) {
         for block in &mut self.blocks {
             let kernel = block.kernels.energy.clone();
-            block.run(&kernel, Some(u), None, Destination::Small, &self.threads, &mut self.scratch);
+            block.run(&kernel, Family::Elastic, Some(u), None, Destination::Small, &self.threads, &mut self.scratch);
             block.spec.ids.iter().zip(&block.small).for_each(|(&id, &energy)| give(id, energy));
         }
     }
@@ -170,7 +182,7 @@ impl Elements {
     pub fn each_volume(&mut self, u: &[f64], mut give: impl FnMut(u32, f64)) {
         for block in &mut self.blocks {
             let kernel = block.kernels.volume.clone();
-            block.run(&kernel, Some(u), None, Destination::Small, &self.threads, &mut self.scratch);
+            block.run(&kernel, Family::Elastic, Some(u), None, Destination::Small, &self.threads, &mut self.scratch);
             block.spec.ids.iter().zip(&block.small).for_each(|(&id, &volume)| give(id, volume));
         }
     }
@@ -214,7 +226,7 @@ impl Elements {
     pub fn each_mean(&mut self, average: Average, u: &[f64], mut give: impl FnMut(u32, Mean)) {
         for block in &mut self.blocks {
             let kernel = block.kernels.average(average).clone().expect("`prepare_means` was called for this average");
-            block.run(&kernel, Some(u), None, Destination::Small, &self.threads, &mut self.scratch);
+            block.run(&kernel, Family::Elastic, Some(u), None, Destination::Small, &self.threads, &mut self.scratch);
             for (element, &id) in block.spec.ids.iter().enumerate() {
                 let at = element / LANES * Mean::ROWS * LANES + element % LANES;
                 let value = |row: usize| block.small[at + row * LANES];
@@ -227,16 +239,20 @@ impl Elements {
     pub fn add_force(&mut self, u: &[f64], out: &mut [f64]) {
         for block in &mut self.blocks {
             let kernel = block.kernels.force.clone();
-            block.run(&kernel, Some(u), None, Destination::Partial, &self.threads, &mut self.scratch);
+            block.run(&kernel, Family::Elastic, Some(u), None, Destination::Partial, &self.threads, &mut self.scratch);
         }
         self.collect(1.0, out);
     }
 
     /// Prepares [`Elements::add_tangent`] at `u`.
     pub fn linearise(&mut self, u: &[f64]) {
+        if self.tangent == Tangent::Projected {
+            self.project_moduli(u);
+            return;
+        }
         for block in &mut self.blocks {
             if let Some(kernel) = block.kernels.linearise.clone() {
-                block.run(&kernel, Some(u), None, Destination::Step, &self.threads, &mut self.scratch);
+                block.run(&kernel, Family::Elastic, Some(u), None, Destination::Step, &self.threads, &mut self.scratch);
             }
         }
     }
@@ -244,8 +260,11 @@ impl Elements {
     /// `out += scale · (∂f/∂u) v` at the linearised state.
     pub fn add_tangent(&mut self, scale: f64, v: &[f64], out: &mut [f64]) {
         for block in &mut self.blocks {
-            let kernel = block.kernels.tangent_apply.clone();
-            block.run(&kernel, None, Some(v), Destination::Partial, &self.threads, &mut self.scratch);
+            let (kernel, family) = match &block.projected {
+                Some(projected) => (projected.apply.clone(), Family::Projected),
+                None => (block.kernels.tangent_apply.clone(), Family::Elastic),
+            };
+            block.run(&kernel, family, None, Some(v), Destination::Partial, &self.threads, &mut self.scratch);
         }
         self.collect(scale, out);
     }
@@ -284,11 +303,28 @@ impl Elements {
         (matrix, AssemblyMap { slots })
     }
 
-    /// Overwrites `matrix` by K = −∂f/∂u at `u`.
+    /// Overwrites `matrix` by K = −∂f/∂u at `u`; with projected tangents at the state of the last
+    /// [`Elements::linearise`].
     pub fn assemble(&mut self, u: &[f64], map: &AssemblyMap, matrix: &mut BlockCsr) {
+        let kernel_of = |block: &Block| match &block.projected {
+            Some(projected) => Some((projected.blocks.clone(), Family::Projected)),
+            None => Some((block.kernels.tangent_blocks.clone(), Family::Elastic)),
+        };
+        self.assemble_with(u, map, matrix, &kernel_of);
+    }
+
+    /// Overwrites `matrix` by the sum of the blocks that each block's program of a family gives, if it has one.
+    pub(crate) fn assemble_with(
+        &mut self,
+        u: &[f64],
+        map: &AssemblyMap,
+        matrix: &mut BlockCsr,
+        kernel_of: &dyn Fn(&Block) -> Option<(Arc<dyn Kernel>, Family)>,
+    ) {
         matrix.clear();
         let size = self.dimension * self.dimension;
         for (block, slots) in self.blocks.iter_mut().zip(&map.slots) {
+            let Some((kernel, family)) = kernel_of(block) else { continue };
             let n = block.spec.element.node_count();
             let pairs = n * (n + 1) / 2;
             // As many groups at once as every thread can take a task of.
@@ -296,7 +332,7 @@ impl Elements {
             let mut first = 0;
             while first < block.groups {
                 let count = wave.min(block.groups - first);
-                block.run_tangent(u, first, count, &self.threads, &mut self.scratch);
+                block.run_blocks(&kernel, family, u, first, count, &self.threads, &mut self.scratch);
                 for group in 0..count {
                     for lane in 0..LANES {
                         let element = (first + group) * LANES + lane;
@@ -316,10 +352,20 @@ impl Elements {
     /// Elements whose volume ratio J at some quadrature point is at most `limit` or not a number, with the worst ratio,
     /// worst first.
     pub fn crushed(&mut self, u: &[f64], limit: f64) -> Vec<(u32, f64)> {
+        self.crushed_where(u, limit, |_| true)
+    }
+
+    /// Elements inside out (J ≤ 0 or not a number at some quadrature point) whose law has no meaning there
+    /// ([`Inversion::Fatal`]), with the worst ratio, worst first.
+    pub fn fatally_inverted(&mut self, u: &[f64]) -> Vec<(u32, f64)> {
+        self.crushed_where(u, 0.0, |inversion| inversion == Inversion::Fatal)
+    }
+
+    fn crushed_where(&mut self, u: &[f64], limit: f64, wanted: impl Fn(Inversion) -> bool) -> Vec<(u32, f64)> {
         let mut found = Vec::new();
-        for block in &mut self.blocks {
+        for block in self.blocks.iter_mut().filter(|b| wanted(b.inversion)) {
             let kernel = block.kernels.volume_ratio.clone();
-            block.run(&kernel, Some(u), None, Destination::Small, &self.threads, &mut self.scratch);
+            block.run(&kernel, Family::Elastic, Some(u), None, Destination::Small, &self.threads, &mut self.scratch);
             let program = kernel.program();
             let rows = program.outputs[0].total(program.points);
             for (element, &id) in block.spec.ids.iter().enumerate() {
@@ -337,7 +383,7 @@ impl Elements {
     }
 
     /// Each node sums the contributions of its elements, in the order of the blocks.
-    fn collect(&mut self, scale: f64, out: &mut [f64]) {
+    pub(crate) fn collect(&mut self, scale: f64, out: &mut [f64]) {
         let d = self.dimension;
         let (starts, places, blocks) = (&self.starts, &self.places, &self.blocks);
         let per_task = self.node_count.div_ceil(4 * self.threads.count()).max(512);
@@ -409,10 +455,16 @@ fn contributions(blocks: &[Block], node_count: usize, d: usize) -> (Vec<usize>, 
     (starts, places)
 }
 
-enum Destination {
+/// What a kernel writes.
+pub(crate) enum Destination {
+    /// Contributions to nodal vectors.
     Partial,
+    /// Values carried to applications.
     Step,
+    /// One output per element.
     Small,
+    /// Moduli of the projected family.
+    Moduli,
 }
 
 impl Block {
@@ -452,15 +504,14 @@ impl Block {
             strain: None,
         };
         let points = kernels.force.program().points;
-        let sized = |(once, each): (usize, usize)| {
-            [vec![0.0; groups * once * LANES], vec![0.0; groups * each * points * LANES]]
-        };
         let mut block = Block {
             groups,
             rest: rest.clone(),
             rows,
-            setup: sized(derived.staged.setup_to_step),
-            step: sized(derived.staged.step_to_apply),
+            carried: Carried::sized(&derived.staged, points, groups * LANES),
+            inversion: inversion(spec.law, &spec.parameters),
+            viscous: None,
+            projected: None,
             partial: vec![0.0; groups * n * d * LANES],
             tangent: Vec::new(),
             small: Vec::new(),
@@ -488,7 +539,7 @@ impl Block {
             })
             .collect();
         let [mut shape, mut lumped] = [vec![0.0; self.groups * n * LANES], vec![0.0; self.groups * n * LANES]];
-        let [once, each] = &mut self.setup;
+        let [once, each] = &mut self.carried.setup;
         let (mut shape_out, mut lumped_out) = (Some(&mut shape[..]), Some(&mut lumped[..]));
         let (mut once, mut each) = (Some(&mut once[..]), Some(&mut each[..]));
         let mut outputs: Vec<&mut [f64]> = program
@@ -514,9 +565,49 @@ impl Block {
         }
     }
 
-    fn run(
+    /// Makes the contributions to nodal vectors zero.
+    pub(crate) fn forget_contributions(&mut self) {
+        self.partial.fill(0.0);
+    }
+
+    /// Runs the set-up of a companion.
+    pub(crate) fn set_up_companion(&self, companion: &mut Companion) {
+        let Some(kernel) = &companion.setup else { return };
+        let density = [self.spec.density];
+        let viscosity = self.spec.viscosity.unwrap_or_default();
+        let program = kernel.program();
+        let inputs: Vec<Input<'_>> = program
+            .inputs
+            .iter()
+            .map(|b| match b.name.as_str() {
+                "rest" => Input::Gathered {
+                    values: &self.rest,
+                    rows: &self.rows,
+                    width: b.len / self.spec.element.node_count(),
+                },
+                "parameters" => Input::Uniform(&self.spec.parameters),
+                "viscosity" => Input::Uniform(&viscosity),
+                "density" => Input::Uniform(&density),
+                other => unreachable!("a set-up program reads no `{other}`"),
+            })
+            .collect();
+        let [once, each] = &mut companion.carried.setup;
+        let (mut once, mut each) = (Some(&mut once[..]), Some(&mut each[..]));
+        let mut outputs: Vec<&mut [f64]> = program
+            .outputs
+            .iter()
+            .map(|b| {
+                let slot = if b.name == "setup_values" { &mut once } else { &mut each };
+                slot.take().expect("buffers of a program have different names")
+            })
+            .collect();
+        kernel.run(&mut Scratch::default(), self.groups, &inputs, &mut outputs);
+    }
+
+    pub(crate) fn run(
         &mut self,
         kernel: &Arc<dyn Kernel>,
+        family: Family,
         u: Option<&[f64]>,
         v: Option<&[f64]>,
         destination: Destination,
@@ -530,10 +621,22 @@ impl Block {
         if matches!(destination, Destination::Small) {
             self.small.resize(groups * rows_of[0] * LANES, 0.0);
         }
-        let [step_once, step_each] = &mut self.step;
+        let (carried, moduli) = match family {
+            Family::Elastic => (&mut self.carried, None),
+            Family::Viscous => {
+                let companion = self.viscous.as_mut().expect("the caller checked that the block is viscous");
+                (&mut companion.carried, None)
+            }
+            Family::Projected => {
+                let companion = self.projected.as_mut().expect("the caller checked that the block is projected");
+                (&mut companion.carried, Some(&mut companion.given))
+            }
+        };
+        let [step_once, step_each] = &mut carried.step;
         // A linearisation writes the step values that an application reads; the two never meet in one program.
         let mut written: Vec<&mut [f64]> = Vec::new();
         let (mut step_read, mut partial, mut small) = (None, Some(&mut self.partial[..]), Some(&mut self.small[..]));
+        let mut given: Option<&[f64]> = None;
         if matches!(destination, Destination::Step) {
             let (mut once, mut each) = (Some(&mut step_once[..]), Some(&mut step_each[..]));
             for b in &program.outputs {
@@ -544,40 +647,65 @@ impl Block {
                 };
                 written.push(slot.take().expect("buffers of a program have different names"));
             }
+        } else if matches!(destination, Destination::Moduli) {
+            let moduli = moduli.expect("moduli belong to the projected family");
+            moduli.resize(groups * rows_of[0] * LANES, 0.0);
+            written.push(moduli);
         } else {
             let slot = if matches!(destination, Destination::Partial) { &mut partial } else { &mut small };
             written.push(slot.take().expect("taken once"));
             step_read = Some([&step_once[..], &step_each[..]]);
+            given = moduli.map(|m| &m[..]);
         }
         let source = Sources {
             u,
             v,
             rest: Some(&self.rest),
             parameters: &self.spec.parameters,
+            viscosity: self.spec.viscosity.as_ref().map_or(&[], |v| &v[..]),
+            moduli: given,
             rows: &self.rows,
-            setup: [&self.setup[0], &self.setup[1]],
+            setup: [&carried.setup[0], &carried.setup[1]],
             step: step_read,
             nodes: n,
         };
         run_tasks(kernel, &source, 0, groups, &mut written, &rows_of, threads, scratch);
     }
 
-    fn run_tangent(&mut self, u: &[f64], first: usize, count: usize, threads: &Threads, scratch: &mut Vec<Scratch>) {
-        let kernel = self.kernels.tangent_blocks.clone();
+    fn run_blocks(
+        &mut self,
+        kernel: &Arc<dyn Kernel>,
+        family: Family,
+        u: &[f64],
+        first: usize,
+        count: usize,
+        threads: &Threads,
+        scratch: &mut Vec<Scratch>,
+    ) {
         let program = kernel.program();
         let rows_of: Vec<usize> = program.outputs.iter().map(|b| b.total(program.points)).collect();
         self.tangent.resize(count * rows_of[0] * LANES, 0.0);
+        let (carried, moduli) = match family {
+            Family::Elastic => (&self.carried, None),
+            Family::Viscous => (&self.viscous.as_ref().expect("the caller checked").carried, None),
+            Family::Projected => {
+                let companion = self.projected.as_ref().expect("the caller checked");
+                (&companion.carried, Some(&companion.given[..]))
+            }
+        };
         let source = Sources {
             u: Some(u),
             v: None,
             rest: Some(&self.rest),
             parameters: &self.spec.parameters,
+            viscosity: self.spec.viscosity.as_ref().map_or(&[], |v| &v[..]),
+            moduli,
             rows: &self.rows,
-            setup: [&self.setup[0], &self.setup[1]],
+            setup: [&carried.setup[0], &carried.setup[1]],
             step: None,
             nodes: self.spec.element.node_count(),
         };
-        run_tasks(&kernel, &source, first, count, &mut [&mut self.tangent], &rows_of, threads, scratch);
+        run_tasks(kernel, &source, first, count, &mut [&mut self.tangent], &rows_of, threads, scratch);
     }
 }
 
@@ -587,6 +715,8 @@ struct Sources<'a> {
     v: Option<&'a [f64]>,
     rest: Option<&'a [f64]>,
     parameters: &'a [f64],
+    viscosity: &'a [f64],
+    moduli: Option<&'a [f64]>,
     rows: &'a [u32],
     setup: [&'a [f64]; 2],
     step: Option<[&'a [f64]; 2]>,
@@ -646,6 +776,8 @@ fn run_tasks(
                         Input::Gathered { values, rows, width: b.len / source.nodes }
                     }
                     "parameters" => Input::Uniform(source.parameters),
+                    "viscosity" => Input::Uniform(source.viscosity),
+                    "moduli" => Input::Lanes(&source.moduli.expect("moduli come before what reads them")[lanes()]),
                     "setup_values" => Input::Lanes(&source.setup[0][lanes()]),
                     "setup_point_values" => Input::Lanes(&source.setup[1][lanes()]),
                     name => {

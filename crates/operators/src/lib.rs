@@ -2,12 +2,16 @@
 
 mod averages;
 mod block;
+mod companion;
 mod derive;
 mod elements;
+mod projection;
+mod tangent;
 mod threads;
 
 pub use averages::{Average, Mean};
 pub use block::BlockSpec;
-pub use derive::{Association, Derived, OUTPUTS, derive, derive_averages};
+pub use derive::{Association, Derived, OUTPUTS, derive, derive_averages, derive_moduli, derive_viscosity};
 pub use elements::{AssemblyMap, Elements, Masses};
+pub use tangent::Tangent;
 pub use threads::Threads;

@@ -10,7 +10,7 @@ use std::collections::{HashMap, HashSet};
 pub struct BufferRequest {
     /// Name of the buffer.
     pub name: String,
-    /// The leaves; all of one binding time.
+    /// The leaves; all of one binding time, and all varying over the points (then the buffer is per point) or none.
     pub leaves: Vec<Expr>,
 }
 
@@ -116,7 +116,8 @@ pub fn stage(g: &Graph, inputs: &[BufferRequest], outputs: &[OutputRequest], cos
         for b in inputs {
             let refs: Vec<Ref> = b.leaves.iter().map(|l| leaf_refs[l]).collect();
             if b.leaves.iter().any(|&l| g.time(l) <= time) {
-                reads.buffer(&b.name, &refs, false);
+                let per_point = refs.iter().any(|&r| dag.node(r).varying);
+                reads.buffer(&b.name, &refs, per_point);
             }
         }
         if time > Time::Setup {

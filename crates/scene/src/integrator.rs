@@ -33,6 +33,16 @@ choices! {
     }
 }
 
+choices! {
+    /// The derivative of the forces that implicit and quasi-static steps use.
+    pub enum Tangent {
+        /// The derivative itself: few Newton iterations, but the matrix may have negative curvature.
+        Exact = "exact",
+        /// Made positive at every quadrature point: more iterations, which always lead downhill.
+        Projected = "projected",
+    }
+}
+
 impl Method {
     /// Whether a step needs no solution of a system, and so has a critical step size.
     pub fn is_explicit(self) -> bool {
@@ -51,6 +61,8 @@ pub struct Integrator {
     pub newton_iterations: u32,
     /// Newton has converged when the residual is this fraction of the first one (default 1e-6).
     pub newton_tolerance: f64,
+    /// The derivative of the forces that is used (default exact).
+    pub tangent: Tangent,
     /// Shorten Newton's step until the residual decreases (default true).
     pub line_search: bool,
     /// Quasi-static: equal parts in which each step's loads and motions are applied (default 1).
@@ -97,6 +109,7 @@ impl Integrator {
             method: Spanned::default_value(method),
             newton_iterations: if method == Method::QuasiStatic { 50 } else { 1 },
             newton_tolerance: 1e-6,
+            tangent: Tangent::Exact,
             line_search: true,
             load_steps: 1,
             velocity_damping: 0.0,
@@ -134,6 +147,12 @@ pub(crate) static INTEGRATOR: Section = Section {
             kind: Kind::Number(Dimension::NUMBER, Range::INSIDE_UNIT),
             presence: Presence::Default("1e-6"),
             about: "Newton has converged when the residual is this fraction of the first one",
+        },
+        Key {
+            name: "tangent",
+            kind: Kind::Choice(Tangent::CHOICES),
+            presence: Presence::Default("\"exact\""),
+            about: "the derivative of the forces that Newton and implicit steps use",
         },
         Key {
             name: "line_search",
@@ -228,6 +247,9 @@ impl Reader<'_> {
         if let Some(value) = self.number(fields, "newton_tolerance") {
             result.newton_tolerance = value.value;
         }
+        if let Some(value) = self.choice(fields, "tangent") {
+            result.tangent = value.value;
+        }
         if let Some(value) = self.boolean(fields, "line_search") {
             result.line_search = value.value;
         }
@@ -260,6 +282,7 @@ impl Reader<'_> {
         let idle: &[(&str, bool)] = &[
             ("newton_iterations", method.is_explicit()),
             ("newton_tolerance", method.is_explicit()),
+            ("tangent", method.is_explicit()),
             ("line_search", method.is_explicit()),
             ("load_steps", !statics),
             ("velocity_damping", statics),

@@ -10,7 +10,7 @@ use souple_kernels_cpu::{Cpu, InstructionSet};
 use souple_operators::{Average, Elements, Threads};
 use souple_program::Costs;
 use souple_scene::expect::Expectation;
-use souple_scene::integrator::Method as SceneMethod;
+use souple_scene::integrator::{Method as SceneMethod, Tangent};
 use souple_scene::output::Field as SceneField;
 use souple_scene::probe::Quantity;
 use souple_scene::{Scene, SceneErrors};
@@ -176,6 +176,9 @@ impl Simulation {
         let device = open_device(&options.device)?;
         let (mut elements, masses) =
             Elements::new(&prepared.nodes, prepared.blocks.clone(), &*device, threads.clone(), Costs::default())?;
+        if scene.integrator.tangent == Tangent::Projected {
+            elements.set_tangent(souple_operators::Tangent::Projected, &*device, Costs::default())?;
+        }
         elements.prepare_means(&means(&scene), &*device, Costs::default())?;
         let solver = scene.linear_solver.clone();
         let mut system = System::new(elements, &masses, scene.gravity, prepared.nodes.clone(), solver, threads);

@@ -3,7 +3,7 @@
 //! Unknowns are [node, axis] with as many axes as the elements have dimensions.
 //!
 //! ```text
-//! F(t, u, v) = f(u) + g + p(t) − (α M + β K) v          internal, gravity, loads, Rayleigh damping
+//! F(t, u, v) = f(u) + g + p(t) − (α M + β K + C) v      internal, gravity, loads, Rayleigh damping, viscosity
 //! M            lumped masses
 //! P            zero on fixed and moved unknowns
 //! ```
@@ -57,6 +57,8 @@ pub(crate) struct System {
     /// Displacement of the last linearisation, and whether the elements still hold it.
     linearised: Vec<f64>,
     stale: bool,
+    /// Whether the elements' viscous products are those of another state than the last linearisation.
+    damping_stale: bool,
     workspace: CgWorkspace,
     scratch: Vec<f64>,
     threads: Arc<Threads>,
@@ -67,6 +69,8 @@ pub(crate) struct System {
 /// The stiffness matrix and the matrix of the linear system, with the same pattern.
 struct Matrices {
     stiffness: BlockCsr,
+    /// Of viscous elements, where there are any.
+    viscosity: Option<BlockCsr>,
     system: BlockCsr,
     map: AssemblyMap,
     /// Slot of the diagonal block of each node.
@@ -114,6 +118,7 @@ impl System {
             matrices: None,
             linearised: vec![0.0; len],
             stale: true,
+            damping_stale: true,
             workspace: CgWorkspace::new(len),
             scratch: vec![0.0; len],
             threads,
@@ -126,7 +131,8 @@ impl System {
             let diagonal = (0..stiffness.row_count())
                 .map(|n| stiffness.slot(n, n).expect("every node has its diagonal block") as u32)
                 .collect();
-            system.matrices = Some(Matrices { system: stiffness.clone(), stiffness, map, diagonal });
+            let viscosity = system.elements.is_viscous().then(|| stiffness.clone());
+            system.matrices = Some(Matrices { system: stiffness.clone(), stiffness, viscosity, map, diagonal });
         }
         system
     }
@@ -168,7 +174,23 @@ impl System {
         self.stale = false;
         if let Some(m) = &mut self.matrices {
             self.elements.assemble(u, &m.map, &mut m.stiffness);
+            if let Some(viscosity) = &mut m.viscosity {
+                self.elements.assemble_damping(u, &m.map, viscosity);
+            }
         }
+        self.damping_stale = true;
+    }
+
+    /// y ← y + C x at the linearised state.
+    fn add_viscosity(&mut self, x: &[f64], y: &mut [f64]) {
+        if !self.elements.is_viscous() {
+            return;
+        }
+        if self.damping_stale {
+            self.elements.linearise_damping(&self.linearised);
+            self.damping_stale = false;
+        }
+        self.elements.add_damping(1.0, x, y);
     }
 
     /// y ← K x at the linearised state.
@@ -189,13 +211,18 @@ impl System {
         self.elements.add_tangent(-1.0, x, y);
     }
 
-    /// Solves (m M + k K) x = rhs on the free unknowns.
-    fn solve_system(&mut self, m: f64, k: f64, rhs: &[f64], x: &mut [f64]) -> LinearReport {
+    /// Solves (m M + k K + c C) x = rhs on the free unknowns.
+    fn solve_system(&mut self, [m, k, c]: [f64; 3], rhs: &[f64], x: &mut [f64]) -> LinearReport {
         let d = self.dimension;
         if let Some(matrices) = &mut self.matrices {
             let size = d * d;
             for (s, value) in matrices.system.values_mut().iter_mut().zip(matrices.stiffness.values()) {
                 *s = k * value;
+            }
+            if let Some(viscosity) = matrices.viscosity.as_ref().filter(|_| c != 0.0) {
+                for (s, value) in matrices.system.values_mut().iter_mut().zip(viscosity.values()) {
+                    *s += c * value;
+                }
             }
             let values = matrices.system.values_mut();
             for (node, &slot) in matrices.diagonal.iter().enumerate() {
@@ -224,7 +251,7 @@ impl System {
             let operator = Assembled { matrix: &matrices.system, threads: &self.threads, dimension: d };
             cg(&operator, &*preconditioner, &projector, &Serial, rhs, x, &options, &mut workspace)
         } else {
-            let operator = MatrixFree { system: RefCell::new(&mut *self), m, k };
+            let operator = MatrixFree { system: RefCell::new(&mut *self), m, k, c };
             cg(&operator, &*preconditioner, &projector, &Serial, rhs, x, &options, &mut workspace)
         };
         self.prescribed = mask;
@@ -269,6 +296,19 @@ impl System {
                 }
             }
         })
+    }
+
+    /// Refuses states in which an element is inside out whose law has no meaning there.
+    fn refuse_inversion(&mut self, u: &[f64]) -> Result<(), Failure> {
+        let inverted = self.elements.fatally_inverted(u);
+        let Some(&(id, ratio)) = inverted.first() else { return Ok(()) };
+        Err(Failure::inadmissible(
+            None,
+            format!(
+                "element {id} is inside out (volume ratio {ratio:.3}), where its law has no meaning ({} such elements)",
+                inverted.len()
+            ),
+        ))
     }
 
     fn solve_by_factors(&mut self, rhs: &[f64], x: &mut [f64]) -> LinearReport {
@@ -365,11 +405,12 @@ impl LinearOperator for Assembled<'_> {
     }
 }
 
-/// `m M + k K` without a matrix. The elements keep scratch memory, hence the cell; nothing is shared between threads.
+/// `m M + k K + c C` without a matrix. The elements keep scratch memory, hence the cell; nothing is shared between threads.
 struct MatrixFree<'a> {
     system: RefCell<&'a mut System>,
     m: f64,
     k: f64,
+    c: f64,
 }
 
 impl LinearOperator for MatrixFree<'_> {
@@ -380,8 +421,16 @@ impl LinearOperator for MatrixFree<'_> {
     fn apply(&self, x: &[f64], y: &mut [f64]) {
         let mut system = self.system.borrow_mut();
         system.stiffness(x, y);
+        // (k K + c C) x as k (K x + (c/k) C x): the viscous product adds to what is there.
+        if self.c != 0.0 {
+            y.iter_mut().for_each(|y| *y *= self.k / self.c);
+            system.add_viscosity(x, y);
+            y.iter_mut().for_each(|y| *y *= self.c);
+        } else {
+            y.iter_mut().for_each(|y| *y *= self.k);
+        }
         for ((y, x), mass) in y.iter_mut().zip(x).zip(&system.mass) {
-            *y = self.k * *y + self.m * mass * x;
+            *y += self.m * mass * x;
         }
     }
 }
@@ -403,6 +452,11 @@ impl SecondOrder for System {
             self.elements.linearise(u);
             self.stale = self.linearised != u;
             self.elements.add_tangent(beta, v, out);
+        }
+        if self.elements.is_viscous() {
+            self.elements.linearise_damping(u);
+            self.damping_stale = self.linearised != u;
+            self.elements.add_damping(-1.0, v, out);
         }
         Ok(())
     }
@@ -439,11 +493,13 @@ impl SecondOrder for System {
         for ((y, x), m) in y.iter_mut().zip(x).zip(&self.mass) {
             *y = beta * *y + alpha * m * x;
         }
+        self.add_viscosity(x, y);
     }
 
     fn solve(&mut self, c: Combination, rhs: &[f64], x: &mut [f64]) -> LinearReport {
         let [alpha, beta] = self.rayleigh;
-        self.solve_system(c.mass + c.damping * alpha, c.stiffness + c.damping * beta, rhs, x)
+        let viscous = if self.elements.is_viscous() { c.damping } else { 0.0 };
+        self.solve_system([c.mass + c.damping * alpha, c.stiffness + c.damping * beta, viscous], rhs, x)
     }
 
     fn project(&self, v: &mut [f64]) {
@@ -462,7 +518,7 @@ impl SecondOrder for System {
 
     fn admissible(&mut self, t: f64, u: &[f64], _v: &[f64]) -> Result<(), Failure> {
         match u.iter().position(|x| x.abs() > self.reach || !x.is_finite()) {
-            None => Ok(()),
+            None => self.refuse_inversion(u),
             Some(k) => Err(Failure::inadmissible(
                 Some(k),
                 format!(
@@ -482,6 +538,7 @@ impl NewtonProblem for System {
     }
 
     fn residual(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), Failure> {
+        self.refuse_inversion(x)?;
         self.unbalanced(self.load_time, x, out);
         for (o, &p) in out.iter_mut().zip(&self.prescribed) {
             *o = if p { 0.0 } else { -*o };
@@ -490,6 +547,7 @@ impl NewtonProblem for System {
     }
 
     fn energy(&mut self, x: &[f64]) -> Result<Option<f64>, Failure> {
+        self.refuse_inversion(x)?;
         let mut external = std::mem::take(&mut self.scratch);
         self.external(self.load_time, &mut external);
         let work: f64 = external.iter().zip(x).map(|(f, u)| f * u).sum();
@@ -503,7 +561,7 @@ impl NewtonProblem for System {
     }
 
     fn solve_linear(&mut self, rhs: &[f64], dx: &mut [f64]) -> LinearReport {
-        self.solve_system(0.0, 1.0, rhs, dx)
+        self.solve_system([0.0, 1.0, 0.0], rhs, dx)
     }
 }
 

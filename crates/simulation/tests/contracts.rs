@@ -293,3 +293,64 @@ fn linear_solvers_agree() {
         assert!(gap <= 1e-8 * size, "{preconditioner}: {gap:e} of {size:e}");
     }
 }
+
+/// Tangents made positive change the way to an equilibrium and not the equilibrium.
+#[test]
+fn projected_tangents_find_the_same_equilibrium() {
+    let ends = ["exact", "projected"].map(|tangent| {
+        let tangent = format!("integrator.tangent={tangent}");
+        let overrides = ["integrator.method=quasi-static", "integrator.newton_tolerance=1e-9", &tangent];
+        let mut simulation = load(BAR, &overrides, &RunOptions::default()).unwrap();
+        run(&mut simulation);
+        simulation.displacement().to_vec()
+    });
+    let largest = ends[0].iter().fold(0.0f64, |m, x| m.max(x.abs()));
+    assert!(largest > 0.1, "the bar bends: {largest}");
+    for (exact, projected) in ends[0].iter().zip(&ends[1]) {
+        assert!((exact - projected).abs() < 1e-6 * largest, "{exact} and {projected}");
+    }
+}
+
+/// A cube of a law for which inverted states have no meaning, crushed by a load far too large for one step: whatever
+/// Newton's method makes of it, no state that it keeps is inside out. The energy has a number for inverted states (it
+/// is one of I3 = J²), so that nothing but the refusal keeps the line search from them.
+#[test]
+fn no_state_is_kept_that_the_law_does_not_know() {
+    for pressure in ["3e5", "1e6", "1e7"] {
+        let text = format!(
+            r#"
+gravity = [0.0, 0.0, 0.0]
+[time]
+step = 1.0
+end = 1.0
+[integrator]
+method = "quasi-static"
+[linear_solver]
+method = "direct"
+[[body]]
+name = "cube"
+density = 1000.0
+[body.mesh]
+generator = "bar"
+size = [1.0, 1.0, 1.0]
+cells = [2, 2, 2]
+element = "tet4"
+[[body.material]]
+energy = "mu/2*(I1 - 3) - mu/2*ln(I3) + lambda/8*ln(I3)^2"
+mu = 1e5
+lambda = 1e5
+[[body.fix]]
+region = "x_min"
+[[body.traction]]
+region = "x_max"
+traction = [-{pressure}, 0.0, 0.0]
+"#
+        );
+        let mut simulation = load(&text, &[], &RunOptions::default()).unwrap();
+        match simulation.advance() {
+            Ok(progress) => assert!(progress.warnings.is_empty(), "pressure {pressure}: {:?}", progress.warnings),
+            // The state is still the one at rest: nothing was kept.
+            Err(_) => assert!(simulation.displacement().iter().all(|u| *u == 0.0), "pressure {pressure}"),
+        }
+    }
+}

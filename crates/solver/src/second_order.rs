@@ -59,10 +59,10 @@ pub trait SecondOrder {
     /// Overwrites the prescribed part of u and v, (I − P) u and (I − P) v, by its value at time t.
     fn prescribe(&self, t: f64, u: &mut [f64], v: &mut [f64]);
 
-    /// Last word on a state that a step arrived at, before it replaces the old one.
+    /// Word on a state that a step or a Newton iteration arrived at, before it replaces the old one.
     ///
     /// # Errors
-    /// A [`Failure`] when the state must not be kept; the step then fails with it.
+    /// A [`Failure`] when the state must not be kept: a line search then shortens its step, a step fails with it.
     fn admissible(&mut self, _t: f64, _u: &[f64], _v: &[f64]) -> Result<(), Failure> {
         Ok(())
     }

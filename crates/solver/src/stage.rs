@@ -280,6 +280,7 @@ impl NewtonProblem for Balance<'_> {
 
     fn residual(&mut self, a: &[f64], out: &mut [f64]) -> Result<(), Failure> {
         self.set_state(a);
+        self.system.admissible(self.stage.t, self.u, self.v)?;
         self.system.force(self.stage.t, self.u, self.v, self.product)?;
         self.system.mass_apply(self.total, out);
         subtract(self.product, out);

@@ -1,7 +1,9 @@
 //! Verdicts find what is wrong with a law and nothing else; curves are those of the textbook.
 
 use crate::sample::responses;
-use souple_laws::check::{AtRest, Check, CurveKind, Outcome, Ranges, at_rest, curves, judge, svg};
+use souple_laws::check::{
+    AtRest, Check, CurveKind, Inversion, Outcome, Ranges, at_rest, curves, inversion, judge, svg,
+};
 use souple_laws::user::{ParameterValue, UserLaw};
 use souple_laws::{Response, by_id};
 
@@ -174,4 +176,23 @@ fn curves_are_written_down() {
         assert_eq!(drawing, svg(&curve));
         assert!(!drawing.contains("NaN") && !drawing.contains("inf"));
     }
+}
+
+/// Laws with logarithms or negative powers of the volume ratio know no inverted state, polynomials of the strain do; a
+/// law of I3 = J² has a number for an inverted state and no meaning, because its energy is infinite on the way there.
+#[test]
+fn inversion_is_fatal_to_laws_whose_energy_is_unbounded_at_zero_volume() {
+    for (law, parameters, _) in responses() {
+        let expected = match law.id {
+            "hooke" | "corotational" | "stvk" | "transverse-stvk" | "stable-neo-hookean" => Inversion::Survivable,
+            "neo-hookean" | "mooney-rivlin" | "yeoh" | "arruda-boyce" => Inversion::Fatal,
+            // No promise for laws that this test does not know.
+            _ => continue,
+        };
+        assert_eq!(inversion(law, &parameters), expected, "{}", law.id);
+    }
+    let parameters = [("mu", ParameterValue::Number(1.0)), ("lambda", ParameterValue::Number(2.0))];
+    let law = UserLaw::parse("mu/2*(I1 - 3) - mu/2*ln(I3) + lambda/8*ln(I3)^2", &parameters).unwrap();
+    let values = law.values();
+    assert_eq!(inversion(law.into_law(), &values), Inversion::Fatal);
 }

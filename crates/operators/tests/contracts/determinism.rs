@@ -4,7 +4,7 @@
 
 use souple_kernels::Interpreter;
 use souple_kernels::conformance::Random;
-use souple_operators::{BlockSpec, Elements, Masses, Threads};
+use souple_operators::{BlockSpec, Elements, Masses, Tangent, Threads};
 use souple_program::Costs;
 use std::sync::Arc;
 
@@ -52,6 +52,7 @@ fn model(threads: usize) -> (Elements, Masses) {
             rule: element.default_rule(),
             parameters: vec![1e5, 0.3],
             density: 1000.0,
+            viscosity: (k % 2 == 0).then_some([3.0, 5.0]),
             connectivity,
             ids: (0..count).collect(),
         }
@@ -73,14 +74,23 @@ fn bits(threads: usize) -> Vec<(&'static str, Vec<u64>)> {
     elements.add_tangent(-0.3, &v, &mut product);
     let (mut matrix, map) = elements.pattern();
     elements.assemble(&u, &map, &mut matrix);
+    elements.linearise_damping(&u);
+    let mut damping = vec![0.0; u.len()];
+    elements.add_damping(0.7, &v, &mut damping);
     let energy = elements.energy(&u);
     let crushed: Vec<f64> = elements.crushed(&u, 0.95).iter().map(|c| c.1).collect();
     assert!(!crushed.is_empty(), "some elements are compressed");
+    elements.set_tangent(Tangent::Projected, &Interpreter::default(), Costs::default()).unwrap();
+    elements.linearise(&u);
+    let mut projected = vec![0.0; u.len()];
+    elements.add_tangent(-0.3, &v, &mut projected);
     [
         ("masses", masses.lumped),
         ("force", force),
         ("tangent product", product),
         ("matrix", matrix.values().to_vec()),
+        ("damping", damping),
+        ("projected product", projected),
         ("energy", vec![energy]),
         ("crushed", crushed),
     ]

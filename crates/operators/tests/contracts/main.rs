@@ -14,5 +14,7 @@ mod invariance;
 mod masses;
 mod patch;
 mod programs;
+mod projected;
 mod sample;
 mod staging;
+mod viscosity;

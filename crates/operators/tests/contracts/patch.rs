@@ -88,6 +88,7 @@ fn model(patch: &Patch, law: &'static Law, parameters: &[f64], rule: usize) -> E
             rule: element.rule(name).unwrap(),
             parameters: parameters.to_vec(),
             density: 1000.0,
+            viscosity: None,
             connectivity: connectivity.clone(),
             ids: (0..(connectivity.len() / element.node_count()) as u32).collect(),
         }

@@ -102,6 +102,7 @@ pub(crate) fn one_element(
         rule,
         parameters: parameters(law),
         density,
+        viscosity: None,
         connectivity: (0..nodes.len() as u32).collect(),
         ids: vec![0],
     };

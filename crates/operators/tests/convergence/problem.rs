@@ -40,6 +40,7 @@ pub(crate) fn solve(
         rule,
         parameters: YOUNG_POISSON.to_vec(),
         density: 1.0,
+        viscosity: None,
         connectivity: mesh.blocks[0].connectivity.clone(),
         ids: (0..mesh.blocks[0].len() as u32).collect(),
     };

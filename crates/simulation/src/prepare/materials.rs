@@ -14,6 +14,7 @@ use souple_scene::material::{Material, USER_LAW};
 struct Resolved {
     law: &'static Law,
     parameters: Vec<f64>,
+    viscosity: Option<[f64; 2]>,
 }
 
 /// Appends the body's elements to the blocks, in the order of the mesh.
@@ -31,7 +32,11 @@ pub(super) fn group(place: Place<'_>, blocks: &mut Vec<BlockSpec>, findings: &mu
             None => sound = false,
         }
         if let (USER_LAW, Some(energy)) = (material.law.value.as_str(), &material.energy) {
-            resolved.push(user_law(energy, material, findings));
+            resolved.push(user_law(energy, material, findings).map(|(law, parameters)| Resolved {
+                law,
+                parameters,
+                viscosity: viscosity(material),
+            }));
             continue;
         }
         let law = souple_laws::by_id(&material.law);
@@ -41,7 +46,10 @@ pub(super) fn group(place: Place<'_>, blocks: &mut Vec<BlockSpec>, findings: &mu
                 format!("there is no law `{}`; `souple list laws` shows them", *material.law),
             );
         }
-        let material = law.and_then(|law| Some(Resolved { law, parameters: parameters(law, material, findings)? }));
+        let material = law.and_then(|law| {
+            let parameters = parameters(law, material, findings)?;
+            Some(Resolved { law, parameters, viscosity: viscosity(material) })
+        });
         resolved.push(material);
     }
     if !sound {
@@ -78,7 +86,7 @@ pub(super) fn group(place: Place<'_>, blocks: &mut Vec<BlockSpec>, findings: &mu
                 number += 1;
                 continue;
             };
-            let Some(Resolved { law, parameters }) = &resolved[material] else {
+            let Some(Resolved { law, parameters, viscosity }) = &resolved[material] else {
                 number += 1;
                 continue;
             };
@@ -89,6 +97,7 @@ pub(super) fn group(place: Place<'_>, blocks: &mut Vec<BlockSpec>, findings: &mu
                         && spec.rule.id == rule.id
                         && bits(&spec.parameters) == bits(parameters)
                         && spec.density.to_bits() == density.to_bits()
+                        && spec.viscosity == *viscosity
                 };
                 blocks.iter().position(same).unwrap_or_else(|| {
                     blocks.push(BlockSpec {
@@ -97,6 +106,7 @@ pub(super) fn group(place: Place<'_>, blocks: &mut Vec<BlockSpec>, findings: &mu
                         rule,
                         parameters: parameters.clone(),
                         density,
+                        viscosity: *viscosity,
                         connectivity: Vec::new(),
                         ids: Vec::new(),
                     });
@@ -111,18 +121,27 @@ pub(super) fn group(place: Place<'_>, blocks: &mut Vec<BlockSpec>, findings: &mu
 }
 
 /// The law that a material's energy describes, with the values of its parameters.
-fn user_law(energy: &Spanned<String>, material: &Material, findings: &mut Findings) -> Option<Resolved> {
+fn user_law(
+    energy: &Spanned<String>,
+    material: &Material,
+    findings: &mut Findings,
+) -> Option<(&'static Law, Vec<f64>)> {
     let given = material.parameters.iter().map(|p| (p.name.as_str(), &p.value.value));
     match super::catalogue::read(energy, given) {
         Ok(law) => {
             let parameters = law.values();
-            Some(Resolved { law: law.into_law(), parameters })
+            Some((law.into_law(), parameters))
         }
         Err(fault) => {
             findings.problem(&energy.at, format!("{fault}\n{}", fault.excerpt()));
             None
         }
     }
+}
+
+/// Shear and bulk viscosity of a material, if it has any.
+fn viscosity(material: &Material) -> Option<[f64; 2]> {
+    material.viscosity.as_ref().map(|v| [v.shear, v.bulk]).filter(|v| *v != [0.0; 2])
 }
 
 fn bits(values: &[f64]) -> Vec<u64> {

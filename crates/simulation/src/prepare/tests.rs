@@ -271,8 +271,9 @@ fn bad_user_laws_are_refused() {
 #[test]
 fn what_is_not_supported_is_refused() {
     let text = format!(
-        r#"{HEAD}{BODY}{STVK}[body.material.viscosity]
-shear = 10.0
+        r#"{HEAD}{BODY}{STVK}[[body.material.viscosity.prony]]
+fraction = 0.5
+time = 0.1
 [[body.pressure]]
 region = "x_max"
 pressure = 1e3
@@ -287,7 +288,7 @@ within = 0.1
     let error = prepared_with(&text, &mut no_files).expect_err("three things are not supported");
     let lines: Vec<String> = error.to_string().lines().map(str::to_owned).collect();
     assert_eq!(lines.len(), 3, "{error}");
-    let places = ["[body.material.viscosity]", "[[body.pressure]]", "[[tie]]"];
+    let places = ["[[body.material.viscosity.prony]]", "[[body.pressure]]", "[[tie]]"];
     for (line, place) in lines.iter().zip(places) {
         assert_says(line, &text, place, &["not supported yet"]);
     }

@@ -7,10 +7,10 @@ use souple_scene::Scene;
 pub(super) fn refuse(scene: &Scene, findings: &mut Findings) {
     for body in &scene.bodies {
         for material in &body.materials {
-            if let Some(viscosity) = &material.viscosity {
-                let message = "viscosity is not supported yet; remove it, or damp the motion with `velocity_damping` \
-                               or `rayleigh` in [integrator]";
-                findings.problem(&viscosity.at, message);
+            if let Some(term) = material.viscosity.as_ref().and_then(|v| v.prony.first()) {
+                let message =
+                    "relaxation is not supported yet; use `shear` and `bulk`, the viscosities of Kelvin–Voigt";
+                findings.problem(&term.at, message);
             }
         }
         for pressure in &body.pressures {
