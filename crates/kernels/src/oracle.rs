@@ -3,8 +3,9 @@
 //!
 //! The bound covers any order of rounding that a backend may choose (fused or separate multiply-adds, functions that
 //! are right to four units in the last place), so that a comparison needs no tolerance of taste.
+//! Where such a bound says nothing, [`spread`] estimates the error from random roundings.
 
-use souple_program::{Op, Program, Section};
+use souple_program::{Op, Program, Section, Statement};
 
 /// A value and how far a correct backend may be from it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,6 +20,47 @@ pub struct Bounded {
 ///
 /// `inputs` is [buffer][point][place] likewise.
 pub fn run(program: &Program, inputs: &[Vec<f64>]) -> Vec<Vec<Bounded>> {
+    evaluate(program, inputs, &mut |value, _| value)
+}
+
+/// Relative errors of the roundings that [`spread`] tries, in units of [`f64::EPSILON`], at most.
+const ROUNDING: f64 = 1.0;
+/// The same for functions.
+const FUNCTION: f64 = 4.0;
+/// How many times [`spread`] tries.
+const TRIES: u64 = 8;
+/// What the largest deviation found is multiplied with for those that were not.
+const MARGIN: f64 = 40.0;
+
+/// As [`run`], with an estimate in place of the bound: how far outputs move when every operation is rounded at random.
+///
+/// For programs whose intermediate values depend on roundings much more than their results do. An iteration that
+/// corrects itself is one: each step adds to the bound what the next steps take away again.
+pub fn spread(program: &Program, inputs: &[Vec<f64>]) -> Vec<Vec<Bounded>> {
+    let mut outputs = run(program, inputs);
+    for values in &mut outputs {
+        let largest = values.iter().fold(0.0, |m: f64, v| m.max(v.value.abs()));
+        values.iter_mut().for_each(|v| v.error = 8.0 * f64::EPSILON * largest);
+    }
+    for seed in 0..TRIES {
+        let mut random = crate::conformance::Random::new(seed);
+        let mut disturb = |value: f64, op: &Op| {
+            let size = match op {
+                Op::Recip(_) | Op::Sqrt(_) | Op::Ln(_) | Op::Exp(_) | Op::Pow(..) => FUNCTION,
+                _ => ROUNDING,
+            };
+            value * (1.0 + size * f64::EPSILON * random.between(-1.0, 1.0))
+        };
+        let moved = evaluate(program, inputs, &mut disturb);
+        for (value, moved) in outputs.iter_mut().flatten().zip(moved.iter().flatten()) {
+            value.error = value.error.max(MARGIN * (moved.value - value.value).abs());
+        }
+    }
+    outputs
+}
+
+/// `disturb` is given the result of each operation that rounds, and gives what goes on.
+fn evaluate(program: &Program, inputs: &[Vec<f64>], disturb: &mut dyn FnMut(f64, &Op) -> f64) -> Vec<Vec<Bounded>> {
     let exact = |value: f64| Bounded { value, error: 0.0 };
     let mut outputs: Vec<Vec<Bounded>> =
         program.outputs.iter().map(|b| vec![Bounded::default(); b.total(program.points)]).collect();
@@ -65,29 +107,33 @@ pub fn run(program: &Program, inputs: &[Vec<f64>]) -> Vec<Vec<Bounded>> {
                         function(value, by_base + by_exponent, v(a))
                     }
                     Op::Accumulator => exact(0.0),
-                    Op::Accumulate { into, a } => {
-                        values[into.index()] = sum(v(into), v(a), 1.0);
-                        continue;
-                    }
-                    Op::AccumulateProduct { into, a, b } => {
-                        values[into.index()] = sum(v(into), product(v(a), v(b)), 1.0);
-                        continue;
-                    }
-                    Op::AccumulateNegProduct { into, a, b } => {
-                        values[into.index()] = sum(v(into), product(v(a), v(b)), -1.0);
-                        continue;
-                    }
+                    Op::Accumulate { a, .. } => sum(v(into(s)), v(a), 1.0),
+                    Op::AccumulateProduct { a, b, .. } => sum(v(into(s)), product(v(a), v(b)), 1.0),
+                    Op::AccumulateNegProduct { a, b, .. } => sum(v(into(s)), product(v(a), v(b)), -1.0),
                     Op::Output { buffer, index, a } => {
                         let b = &program.outputs[buffer];
                         outputs[buffer][if b.per_point { point * b.len + index } else { index }] = v(a);
                         continue;
                     }
                 };
-                values[s.value.index()] = result;
+                let rounds =
+                    !matches!(s.op, Op::Constant(_) | Op::Input { .. } | Op::Table(_) | Op::Accumulator | Op::Neg(_));
+                let value = if rounds { disturb(result.value, &s.op) } else { result.value };
+                values[into(s).index()] = Bounded { value, ..result };
             }
         }
     }
     outputs
+}
+
+/// Where the result of a statement goes: the accumulator of those that have one.
+fn into(s: &Statement) -> souple_program::Value {
+    match s.op {
+        Op::Accumulate { into, .. } | Op::AccumulateProduct { into, .. } | Op::AccumulateNegProduct { into, .. } => {
+            into
+        }
+        _ => s.value,
+    }
 }
 
 fn rounded(value: f64, error: f64) -> Bounded {

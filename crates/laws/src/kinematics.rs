@@ -124,6 +124,14 @@ impl<'g> Kinematics<'g> {
         self.graph.named("I2bar", value)
     }
 
+    /// Isochoric right Cauchy–Green tensor C̄ = J^(−2/3) C, of determinant one; for J > 0 only.
+    pub fn Cbar(&mut self) -> Matrix {
+        let (j, c) = (self.J(), self.C());
+        let exponent = self.graph.rational(-2, 3);
+        let scale = self.graph.pow(j, exponent);
+        c.times(self.graph, scale)
+    }
+
     /// Volumetric energy κ/2 (J − 1)² from `bulk`.
     pub fn volumetric(&mut self) -> Expr {
         let (bulk, j) = (self.parameter("bulk"), self.J());

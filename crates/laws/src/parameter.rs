@@ -5,6 +5,8 @@
 pub enum Bound {
     /// No limit.
     None,
+    /// No limit, but zero itself is excluded.
+    NonZero,
     /// The limit itself is excluded.
     Open(f64),
     /// The limit itself is allowed.
@@ -33,11 +35,13 @@ impl Parameter {
     pub fn accepts(&self, value: f64) -> bool {
         let above = match self.minimum {
             Bound::None => true,
+            Bound::NonZero => value != 0.0,
             Bound::Open(limit) => value > limit,
             Bound::Closed(limit) => value >= limit,
         };
         let below = match self.maximum {
             Bound::None => true,
+            Bound::NonZero => value != 0.0,
             Bound::Open(limit) => value < limit,
             Bound::Closed(limit) => value <= limit,
         };

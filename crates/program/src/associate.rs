@@ -9,6 +9,7 @@
 //! Signs cost nothing where possible: a sum adds or subtracts a term, and a minus in front of a product that has a
 //! factor of an earlier time moves into that factor, where it is computed once.
 
+use crate::eigenvectors::{Eigen, eigen, sinhc};
 use crate::{Dag, Operation, Ref};
 use souple_symbols::{Expr, Function, Graph, Node, Number, Time};
 use std::cmp::Reverse;
@@ -110,6 +111,7 @@ pub fn associate(g: &Graph, roots: &[Expr]) -> (Dag, Vec<Ref>) {
         factor_refs: HashMap::new(),
         product_refs: HashMap::new(),
         term_refs: HashMap::new(),
+        eigen: HashMap::new(),
     };
     for &e in &order {
         let value = match g.node(e) {
@@ -134,6 +136,26 @@ pub fn associate(g: &Graph, roots: &[Expr]) -> (Dag, Vec<Ref>) {
                     Function::Ln => Operation::Ln(refs[0]),
                     Function::Exp => Operation::Exp(refs[0]),
                     Function::Pow => Operation::Pow(refs[0], refs[1]),
+                    Function::Sinhc => {
+                        let value = sinhc(&mut builder.dag, refs[0]);
+                        builder.built.insert(e, (false, value));
+                        continue;
+                    }
+                    Function::Eigenvalue(which) => {
+                        let value = builder.eigen(&refs).values[usize::from(*which)];
+                        builder.built.insert(e, (false, value));
+                        continue;
+                    }
+                    Function::Eigenvector(row, which) => {
+                        let value = builder.eigen(&refs).vectors[usize::from(*row)][usize::from(*which)];
+                        builder.built.insert(e, (false, value));
+                        continue;
+                    }
+                    // Their value is written out: it is their first operand.
+                    Function::PowerTrace | Function::PowerEntry(..) => {
+                        builder.built.insert(e, (false, refs[0]));
+                        continue;
+                    }
                     Function::RootSum => {
                         let root = builder.root_sum(refs[0], refs[1], refs[2]);
                         builder.built.insert(e, (false, root));
@@ -275,6 +297,8 @@ struct Builder {
     factor_refs: HashMap<usize, (bool, Ref)>,
     product_refs: HashMap<usize, (bool, Ref)>,
     term_refs: HashMap<usize, (bool, Ref)>,
+    /// Matrices that were decomposed.
+    eigen: HashMap<[Ref; 6], Eigen>,
 }
 
 /// Newton steps for [`Function::RootSum`]: nine reach the last bit while the largest number is at most ten times the
@@ -282,6 +306,16 @@ struct Builder {
 const ROOT_SUM_STEPS: usize = 9;
 
 impl Builder {
+    fn eigen(&mut self, entries: &[Ref]) -> Eigen {
+        let entries: [Ref; 6] = entries.try_into().expect("a symmetric matrix has six entries");
+        if let Some(known) = self.eigen.get(&entries) {
+            return *known;
+        }
+        let found = eigen(&mut self.dag, entries);
+        self.eigen.insert(entries, found);
+        found
+    }
+
     /// The largest root s of s⁴ − 2a s² − 8c s + a² − 4b by Newton's method from √(3a), written out.
     ///
     /// Why not an operation of its own: it would be one more for every backend, for what arithmetic says as well.

@@ -16,6 +16,7 @@ mod associate;
 mod counts;
 mod cut;
 mod dag;
+mod eigenvectors;
 mod language;
 mod lower;
 mod stage;

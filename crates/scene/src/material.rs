@@ -3,6 +3,7 @@
 //! The parameters of the law stand beside the other keys; which ones there are comes from the [`Catalogue`].
 //! An isotropic law accepts (young, poisson), (lambda, mu) or (bulk, mu), kept here as given:
 //! λ = E ν / ((1 + ν)(1 − 2ν)), μ = E / (2 (1 + ν)), bulk = λ + 2μ/3.
+//! Numbered parameters may be given as one list: `mu = [3, 4]` for `mu1 = 3` and `mu2 = 4`.
 //!
 //! [`Catalogue`]: crate::Catalogue
 
@@ -83,6 +84,7 @@ pub(crate) static MATERIAL: Section = Section {
     ],
     other_keys: Some(
         "The parameters of the law, by name: numbers in SI units, texts with units, or lists. \
+         Numbered parameters (`mu1`, `mu2`) may be given as one list (`mu = [..]`). \
          Isotropic laws accept `young` and `poisson`, or `lambda` and `mu`, or `bulk` and `mu`. \
          The parameters of a user law are the names in its energy.",
     ),
@@ -146,9 +148,16 @@ impl Reader<'_> {
             if isotropic && PAIRS[0].contains(&parameter.name.as_str()) {
                 continue;
             }
-            let given = fields.others.iter().find(|other| other.name == parameter.name);
-            let value = match (given, &parameter.default) {
-                (Some(given), _) => self.parameter(&given.node, parameter),
+            let given = fields.others.iter().find(|other| other.name == parameter.name).map(|given| &given.node);
+            let in_list = item_of_list(fields, &parameter.name);
+            if let (Some(given), Some((list, _))) = (given, in_list) {
+                let message =
+                    format!("`{}` is also a value of the list `{}`: give one of the two", parameter.name, list.name);
+                self.conflict(given.at.clone(), message);
+                continue;
+            }
+            let value = match (given.or(in_list.map(|item| item.1)), &parameter.default) {
+                (Some(given), _) => self.parameter(given, parameter),
                 (None, Some(default)) => Some(Spanned::default_value(default.clone())),
                 (None, None) => {
                     let needed = described(&parameter.name, &parameter.unit, &parameter.about);
@@ -180,6 +189,18 @@ impl Reader<'_> {
         }
         for other in &fields.others {
             if known.contains(&other.name) {
+                continue;
+            }
+            let members = law.parameters.iter().filter(|p| member(&p.name).is_some_and(|m| m.0 == other.name)).count();
+            if members > 0 {
+                match &other.node.value {
+                    Value::Array(items) if (1..=members).contains(&items.len()) => {}
+                    _ => {
+                        let expected =
+                            format!("a list of 1 to {members} numbers, or `{0}1` to `{0}{members}`", other.name);
+                        self.wrong_type(&other.name, expected, &other.node);
+                    }
+                }
                 continue;
             }
             let keys = MATERIAL.keys.iter().map(|key| key.name);
@@ -365,6 +386,23 @@ impl Reader<'_> {
             None => refusal.message,
         };
         self.error(at.unwrap_or_else(|| otherwise.clone()), Problem::Law(message));
+    }
+}
+
+/// List and place of a numbered parameter: `mu` and 0 for `mu1`.
+fn member(name: &str) -> Option<(&str, usize)> {
+    let list = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    let number: usize = name[list.len()..].parse().ok()?;
+    (!list.is_empty() && (1..=9).contains(&number)).then(|| (list, number - 1))
+}
+
+/// The value of a numbered parameter in a list of the scene: that of `mu2` in `mu = [3, 4]`.
+fn item_of_list<'f>(fields: &Fields<'f>, name: &str) -> Option<(&'f Entry, &'f Node)> {
+    let (list, place) = member(name)?;
+    let list = fields.others.iter().copied().find(|other| other.name == list)?;
+    match &list.node.value {
+        Value::Array(items) => Some((list, items.get(place)?)),
+        _ => None,
     }
 }
 

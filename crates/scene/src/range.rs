@@ -9,6 +9,8 @@ pub enum Bound {
     Open(f64),
     /// The value itself is allowed.
     Closed(f64),
+    /// No limit, but zero is not allowed.
+    NonZero,
 }
 
 /// A range of numbers.
@@ -48,11 +50,13 @@ impl Range {
             None => !x.is_nan(),
             Some(Bound::Open(least)) => x > least,
             Some(Bound::Closed(least)) => x >= least,
+            Some(Bound::NonZero) => x != 0.0 && !x.is_nan(),
         };
         let below = match self.maximum {
             None => !x.is_nan(),
             Some(Bound::Open(most)) => x < most,
             Some(Bound::Closed(most)) => x <= most,
+            Some(Bound::NonZero) => x != 0.0 && !x.is_nan(),
         };
         above && below
     }
@@ -63,10 +67,12 @@ impl Range {
         let least = self.minimum.map(|bound| match bound {
             Bound::Open(x) => format!("greater than {}", with_unit(x)),
             Bound::Closed(x) => format!("at least {}", with_unit(x)),
+            Bound::NonZero => "other than 0".to_owned(),
         });
         let most = self.maximum.map(|bound| match bound {
             Bound::Open(x) => format!("less than {}", with_unit(x)),
             Bound::Closed(x) => format!("at most {}", with_unit(x)),
+            Bound::NonZero => "other than 0".to_owned(),
         });
         match (least, most) {
             (Some(least), Some(most)) => format!("{least} and {most}"),
@@ -82,10 +88,12 @@ impl fmt::Display for Range {
         let least = self.minimum.map(|bound| match bound {
             Bound::Open(x) => format!("> {x}"),
             Bound::Closed(x) => format!("≥ {x}"),
+            Bound::NonZero => "≠ 0".to_owned(),
         });
         let most = self.maximum.map(|bound| match bound {
             Bound::Open(x) => format!("< {x}"),
             Bound::Closed(x) => format!("≤ {x}"),
+            Bound::NonZero => "≠ 0".to_owned(),
         });
         f.write_str(&least.into_iter().chain(most).collect::<Vec<_>>().join(", "))
     }
@@ -102,5 +110,13 @@ mod tests {
         assert!(!range.contains(f64::NAN) && !Range::ANY.contains(f64::NAN));
         assert_eq!(range.in_words("Pa"), "greater than -1 Pa and at most 0.5 Pa");
         assert_eq!(range.to_string(), "> -1, ≤ 0.5");
+    }
+
+    #[test]
+    fn zero_alone_can_be_excluded() {
+        let range = Range { minimum: Some(Bound::NonZero), maximum: None };
+        assert!(range.contains(-1e-300) && range.contains(2.0) && !range.contains(0.0) && !range.contains(-0.0));
+        assert!(!range.contains(f64::NAN));
+        assert_eq!((range.in_words(""), range.to_string()), ("other than 0".to_owned(), "≠ 0".to_owned()));
     }
 }

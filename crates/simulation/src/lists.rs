@@ -170,7 +170,7 @@ pub struct ParameterEntry {
     pub name: &'static str,
     /// SI unit; "1" for a pure number.
     pub unit: &'static str,
-    /// Range as an interval: `(0, ∞)`, `(-1, 0.5)`, `[0, 1]`.
+    /// Range as an interval: `(0, ∞)`, `(-1, 0.5)`, `[0, 1]`, `(-∞, ∞) but 0`.
     pub range: String,
     /// Value of a scene that does not give it.
     pub default: Option<f64>,
@@ -208,16 +208,17 @@ pub fn laws() -> Vec<LawEntry> {
 
 fn interval(minimum: Bound, maximum: Bound) -> String {
     let low = match minimum {
-        Bound::None => "(-∞".to_owned(),
+        Bound::None | Bound::NonZero => "(-∞".to_owned(),
         Bound::Open(limit) => format!("({limit}"),
         Bound::Closed(limit) => format!("[{limit}"),
     };
     let high = match maximum {
-        Bound::None => "∞)".to_owned(),
+        Bound::None | Bound::NonZero => "∞)".to_owned(),
         Bound::Open(limit) => format!("{limit})"),
         Bound::Closed(limit) => format!("{limit}]"),
     };
-    format!("{low}, {high}")
+    let zero = if [minimum, maximum].contains(&Bound::NonZero) { " but 0" } else { "" };
+    format!("{low}, {high}{zero}")
 }
 
 /// One way to advance in time.

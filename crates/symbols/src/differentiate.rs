@@ -22,10 +22,10 @@ impl Graph {
     ///
     /// A node of `by` is treated as an independent variable: what it is made of is not looked into.
     pub fn gradient(&mut self, root: Expr, by: &[Expr]) -> Vec<Expr> {
-        let order = self.reachable(&[root]);
+        let order = self.reachable_through(&[root], Graph::variables);
         let mut depends: HashMap<Expr, bool> = HashMap::new();
         for &e in &order {
-            let d = by.contains(&e) || self.operands(e).iter().any(|o| depends[o]);
+            let d = by.contains(&e) || self.variables(e).iter().any(|o| depends[o]);
             depends.insert(e, d);
         }
         let mut adjoints: HashMap<Expr, Adjoint> = HashMap::new();
@@ -43,7 +43,7 @@ impl Graph {
                 found.insert(e, self.scale(scale, adjoint));
                 continue;
             }
-            for (operand, partial) in self.partials(e) {
+            for (operand, partial) in self.partials(e, &|o| depends[&o]) {
                 if !depends[&operand] {
                     continue;
                 }
@@ -73,11 +73,11 @@ impl Graph {
         let mut tangent: HashMap<Expr, (Number, Expr)> =
             direction.iter().map(|&(variable, along)| (variable, (Number::ONE, along))).collect();
         let zero = self.int(0);
-        for e in self.reachable(roots) {
+        for e in self.reachable_through(roots, Graph::variables) {
             if tangent.contains_key(&e) {
                 continue;
             }
-            let moving = self.operands(e).iter().any(|o| tangent[o].1 != zero);
+            let moving = self.variables(e).iter().any(|o| tangent[o].1 != zero);
             if !moving {
                 tangent.insert(e, (Number::ONE, zero));
                 continue;
@@ -93,10 +93,25 @@ impl Graph {
                     (scale, self.point_sum(inside))
                 }
                 Node::Named(_, o) => tangent[&o],
+                Node::Function(Function::PowerEntry(..) | Function::PowerTrace, operands) => {
+                    // All entries of the matrix at once: the change of the matrix is turned into its eigenvectors once.
+                    let matrix = &operands[1..7];
+                    let along: Vec<Expr> = matrix.iter().map(|m| self.scale(tangent[m].0, tangent[m].1)).collect();
+                    let along: [Expr; 6] = along.try_into().expect("a symmetric matrix has six entries");
+                    let mut terms = Vec::new();
+                    if along.iter().any(|&c| c != zero) {
+                        terms.push((Number::ONE, self.power_along(e, &along)));
+                    }
+                    for (o, partial) in self.power_term_partials(e, &|o| tangent[&o].1 != zero) {
+                        terms.push((tangent[&o].0, self.mul(partial, tangent[&o].1)));
+                    }
+                    self.linear_with_scale(&terms)
+                }
                 _ => {
-                    let partials = self.partials(e).into_iter().filter(|(o, _)| tangent[o].1 != zero);
+                    let partials = self.partials(e, &|o| tangent[&o].1 != zero);
+                    let moving = partials.into_iter().filter(|(o, _)| tangent[o].1 != zero);
                     let terms: Vec<(Number, Expr)> =
-                        partials.map(|(o, partial)| (tangent[&o].0, self.mul(partial, tangent[&o].1))).collect();
+                        moving.map(|(o, partial)| (tangent[&o].0, self.mul(partial, tangent[&o].1))).collect();
                     self.linear_with_scale(&terms)
                 }
             };
@@ -111,8 +126,9 @@ impl Graph {
         self.directional(&[root], &[(by, one)])[0]
     }
 
-    /// Each operand of a node with the partial derivative by it.
-    fn partials(&mut self, e: Expr) -> Vec<(Expr, Expr)> {
+    /// Each operand of a node with the partial derivative by it; where one is dear, those that are not `wanted` may be
+    /// left out.
+    fn partials(&mut self, e: Expr, wanted: &dyn Fn(Expr) -> bool) -> Vec<(Expr, Expr)> {
         match self.node(e).clone() {
             Node::Constant(_) | Node::Symbol(_) | Node::Table(_) => Vec::new(),
             Node::Sum(_, terms) => terms.iter().map(|&(k, t)| (t, self.number(k))).collect(),
@@ -146,6 +162,19 @@ impl Graph {
                             (c, self.scaled_powers(two, &[(e, 1), (slope, -1)])),
                         ]
                     }
+                    Function::Sinhc => {
+                        // (cosh x − s)/x with cosh² = 1 + (x s)².
+                        let sinh_squared = self.scaled_powers(Number::ONE, &[(a, 2), (e, 2)]);
+                        let one = self.int(1);
+                        let cosh_squared = self.add(sinh_squared, one);
+                        let cosh = self.sqrt(cosh_squared);
+                        let excess = self.sub(cosh, e);
+                        vec![(a, self.div(excess, a))]
+                    }
+                    Function::Eigenvalue(_)
+                    | Function::Eigenvector(..)
+                    | Function::PowerTrace
+                    | Function::PowerEntry(..) => self.spectral_partials(e, wanted),
                     Function::Pow => {
                         // d(a^b) = b a^b / a da + a^b ln a db; written with the power itself so that it is shared.
                         let b = operands[1];

@@ -1,5 +1,6 @@
 //! Numerical value of expressions, node by node in plain `f64`: slow, obvious, and what faster ways are compared with.
 
+use crate::spectral::PLACE;
 use crate::{Expr, Function, Graph, Node};
 use std::collections::HashMap;
 
@@ -43,12 +44,18 @@ impl Graph {
                     Node::Product(c, factors) => factors.iter().fold(c.to_f64(), |p, &(f, n)| p * of(f, q).powi(n)),
                     Node::Function(function, operands) => {
                         let a = of(operands[0], q);
+                        let entries = |q| std::array::from_fn(|k| of(operands[k], q));
                         match function {
                             Function::Sqrt => a.sqrt(),
                             Function::Ln => a.ln(),
                             Function::Exp => a.exp(),
                             Function::Pow => a.powf(of(operands[1], q)),
                             Function::RootSum => root_sum(a, of(operands[1], q), of(operands[2], q)),
+                            Function::Sinhc => sinhc(a),
+                            Function::Eigenvalue(which) => eigen(entries(q)).0[*which as usize],
+                            Function::Eigenvector(row, which) => eigen(entries(q)).1[*row as usize][*which as usize],
+                            // The first operand is the value, written out.
+                            Function::PowerTrace | Function::PowerEntry(..) => a,
                         }
                     }
                     Node::Named(_, o) => of(*o, q),
@@ -81,4 +88,47 @@ fn root_sum(a: f64, b: f64, c: f64) -> f64 {
         }
     }
     s
+}
+
+/// sinh(x)/x; by its series near zero.
+fn sinhc(x: f64) -> f64 {
+    if x.abs() > 0.1 {
+        return x.sinh() / x;
+    }
+    let square = x * x;
+    1.0 + square / 6.0 * (1.0 + square / 20.0 * (1.0 + square / 42.0 * (1.0 + square / 72.0)))
+}
+
+/// Eigenvalues and eigenvectors, [row][which], of a symmetric matrix by Jacobi's rotations, each by at most 45°, until
+/// what is off the diagonal no longer counts.
+fn eigen(entries: [f64; 6]) -> ([f64; 3], [[f64; 3]; 3]) {
+    let mut m: [[f64; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| entries[PLACE[i][j]]));
+    let mut n = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let size = entries.iter().fold(0.0, |s: f64, x| s.max(x.abs()));
+    for _ in 0..20 {
+        for (p, q, r) in [(0, 1, 2), (0, 2, 1), (1, 2, 0)] {
+            let off = m[p][q];
+            if off == 0.0 {
+                continue;
+            }
+            let half = 0.5 * (m[p][p] - m[q][q]);
+            let tangent = off / (half + half.hypot(off).copysign(half));
+            let cosine = 1.0 / tangent.hypot(1.0);
+            let sine = tangent * cosine;
+            m[p][p] += tangent * off;
+            m[q][q] -= tangent * off;
+            (m[p][q], m[q][p]) = (0.0, 0.0);
+            (m[p][r], m[q][r]) = (cosine * m[p][r] + sine * m[q][r], cosine * m[q][r] - sine * m[p][r]);
+            (m[r][p], m[r][q]) = (m[p][r], m[q][r]);
+            for row in &mut n {
+                (row[p], row[q]) = (cosine * row[p] + sine * row[q], cosine * row[q] - sine * row[p]);
+            }
+        }
+        // A NaN ends it too.
+        let off = m[0][1].abs() + m[1][2].abs() + m[0][2].abs();
+        if off.is_nan() || off <= 1e-22 * size {
+            break;
+        }
+    }
+    ([m[0][0], m[1][1], m[2][2]], n)
 }

@@ -44,6 +44,21 @@ pub enum Function {
     /// It is the largest root s of s⁴ − 2a s² − 8c s + a² − 4b (Hoger and Carlson 1984), and smooth
     /// wherever no two of the numbers cancel.
     RootSum,
+    /// sinh(x)/x, one at zero. Its derivative is written for other x only.
+    Sinhc,
+    /// The `a`-th eigenvalue of a symmetric 3 × 3 matrix, in no particular order. Operands: entries 11, 22, 33, 12, 23, 31.
+    ///
+    /// Its derivative holds for eigenvalues that are not repeated.
+    Eigenvalue(u8),
+    /// Component `row` of the unit eigenvector for the `a`-th eigenvalue: (row, a). Operands as those of the eigenvalue.
+    ///
+    /// Its derivative holds where all eigenvalues differ.
+    Eigenvector(u8, u8),
+    /// `tr Σ_p c_p M^(q_p)`: see [`Graph::power_trace`]. Operands: the value written out, six entries, then each c_p and
+    /// q_p.
+    PowerTrace,
+    /// Entry (i, j) of `Σ_p c_p M^(q_p − s)`: (i, j, s). Operands as those of the trace.
+    PowerEntry(u8, u8, u8),
 }
 
 /// What a node is. Read it through [`Graph::node`]; build nodes only through the graph's functions.
@@ -158,6 +173,15 @@ impl Graph {
             Node::Product(_, factors) => factors.iter().map(|f| f.0).collect(),
             Node::Function(_, operands) => operands.to_vec(),
             Node::PointSum(e) | Node::Named(_, e) => vec![*e],
+        }
+    }
+
+    /// Operands that a node is differentiated through: all, but of powers of matrices not the value written out.
+    pub(crate) fn variables(&self, e: Expr) -> Vec<Expr> {
+        let operands = self.operands(e);
+        match self.node(e) {
+            Node::Function(Function::PowerTrace | Function::PowerEntry(..), _) => operands[1..].to_vec(),
+            _ => operands,
         }
     }
 
@@ -561,6 +585,7 @@ impl Graph {
             (Function::Ln, Some(c)) if c.is_one() => Some(Number::ZERO),
             (Function::Exp, Some(c)) if c.is_zero() => Some(Number::ONE),
             (Function::Pow, Some(c)) if c.is_one() => Some(Number::ONE),
+            (Function::Sinhc, Some(c)) if c.is_zero() => Some(Number::ONE),
             _ => None,
         };
         if let Some(value) = folded {
@@ -611,11 +636,16 @@ impl Graph {
 
     /// The nodes that `roots` depend on, themselves included, operands first.
     pub fn reachable(&self, roots: &[Expr]) -> Vec<Expr> {
+        self.reachable_through(roots, Graph::operands)
+    }
+
+    /// The same, following those operands only that `operands` gives.
+    pub(crate) fn reachable_through(&self, roots: &[Expr], operands: fn(&Graph, Expr) -> Vec<Expr>) -> Vec<Expr> {
         let mut seen = vec![false; self.len()];
         let mut stack: Vec<Expr> = roots.to_vec();
         while let Some(e) = stack.pop() {
             if !std::mem::replace(&mut seen[e.index()], true) {
-                stack.extend(self.operands(e));
+                stack.extend(operands(self, e));
             }
         }
         (0..self.len()).filter(|&i| seen[i]).map(|i| Expr(i as u32)).collect()

@@ -14,6 +14,7 @@
 //! | write | formulas in Rust or text | [`Expr`] in a [`Graph`] | [`Graph::sum`], [`Graph::product`], … |
 //! | differentiate backwards | one expression | its gradient, at a small multiple of its cost | [`Graph::gradient`] |
 //! | differentiate forwards | many expressions, a direction | directional derivatives | [`Graph::directional`] |
+//! | powers of matrices | a symmetric matrix, exponents | traces and entries | [`Graph::power_trace`], [`Graph::power_entry`] |
 //! | evaluate | values of the symbols | values of the expressions | [`Graph::evaluate`] |
 //! | show | an expression | text or LaTeX | [`print`] |
 //!
@@ -25,6 +26,7 @@ mod evaluate;
 mod graph;
 mod number;
 pub mod print;
+mod spectral;
 mod tensor;
 
 pub use graph::{Expr, Function, Graph, Node, Time};

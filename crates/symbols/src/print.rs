@@ -173,8 +173,46 @@ impl Printer<'_> {
     }
 
     fn function(&self, function: Function, operands: &[Expr]) -> String {
+        let list = |operands: &[Expr]| operands.iter().map(|&o| self.print(o, 0)).collect::<Vec<_>>().join(", ");
         let a = self.print(operands[0], 0);
         match (self.style, function) {
+            (Style::Text, Function::Sinhc) => format!("sinhc({a})"),
+            (Style::Text, Function::Eigenvalue(k)) => format!("eigenvalue{}({})", k + 1, list(operands)),
+            (Style::Text, Function::Eigenvector(i, k)) => {
+                format!("eigenvector{}{}({})", i + 1, k + 1, list(operands))
+            }
+            // What they are powers of, and not how they are computed.
+            (Style::Text, Function::PowerTrace) => format!("powertrace({})", list(&operands[1..])),
+            (Style::Text, Function::PowerEntry(i, j, s)) => {
+                format!("powerentry{}{}less{s}({})", i + 1, j + 1, list(&operands[1..]))
+            }
+            (Style::Latex, Function::Sinhc) => format!("\\mathrm{{sinhc}}\\left({a}\\right)"),
+            (Style::Latex, Function::Eigenvalue(k)) => {
+                format!("\\lambda_{{{}}}\\left({}\\right)", k + 1, list(operands))
+            }
+            (Style::Latex, Function::Eigenvector(i, k)) => {
+                format!("n_{{{}{}}}\\left({}\\right)", i + 1, k + 1, list(operands))
+            }
+            (Style::Latex, Function::PowerTrace | Function::PowerEntry(..)) => {
+                let matrix: Vec<String> = operands[1..7].iter().map(|&o| self.print(o, 0)).collect();
+                let [xx, yy, zz, xy, yz, zx] = &matrix[..] else { unreachable!("six entries were taken") };
+                let matrix =
+                    format!("\\begin{{pmatrix}}{xx}&{xy}&{zx}\\\\{xy}&{yy}&{yz}\\\\{zx}&{yz}&{zz}\\end{{pmatrix}}");
+                let less = if let Function::PowerEntry(_, _, s) = function { s } else { 0 };
+                let terms: Vec<String> = operands[7..]
+                    .chunks_exact(2)
+                    .map(|pair| {
+                        let exponent = self.print(pair[1], 0);
+                        let exponent = if less == 0 { exponent } else { format!("{exponent} - {less}") };
+                        format!("{}\\,{matrix}^{{{exponent}}}", self.print(pair[0], 1))
+                    })
+                    .collect();
+                let sum = format!("\\left({}\\right)", terms.join(" + "));
+                match function {
+                    Function::PowerEntry(i, j, _) => format!("{sum}_{{{}{}}}", i + 1, j + 1),
+                    _ => format!("\\mathrm{{tr}}{sum}"),
+                }
+            }
             (Style::Text, Function::Sqrt) => format!("sqrt({a})"),
             (Style::Text, Function::Ln) => format!("ln({a})"),
             (Style::Text, Function::Exp) => format!("exp({a})"),

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot unwrap has failed")]
 
 mod check;
+mod ogden;
 mod registry;
 mod sample;
 mod stresses;

@@ -75,6 +75,7 @@ fn documented_moduli_are_those_of_the_tangent() {
         let (bulk, shear) = match law.id {
             "mooney-rivlin" => (p[2], 2.0 * (p[0] + p[1])),
             "yeoh" => (p[3], 2.0 * p[0]),
+            "ogden" => (p[6], p[0] + p[1] + p[2]),
             "arruda-boyce" => {
                 let c = [0.5, 0.05, 11.0 / 1050.0, 19.0 / 7000.0, 519.0 / 673_750.0];
                 let term = |i: i32| f64::from(i) * c[i as usize - 1] * 3f64.powi(i - 1) / p[1].powi(2 * i - 2);

@@ -44,7 +44,7 @@ impl Random {
 /// Parameters well inside their ranges, in the law's order.
 pub(crate) fn parameters(law: &Law, random: &mut Random) -> Vec<f64> {
     let limit = |b: Bound| match b {
-        Bound::None => None,
+        Bound::None | Bound::NonZero => None,
         Bound::Open(v) | Bound::Closed(v) => Some(v),
     };
     let mut inside = |p: &Parameter| match (limit(p.minimum), limit(p.maximum)) {

@@ -4,7 +4,7 @@ Each law's first Piola-Kirchhoff stress is written here by hand as a formula of 
 code of the program is involved. 40 digits; needs mpmath. Usage: python3 make.py > more.txt
 """
 
-from mpmath import det, exp, eye, inverse, log, matrix, mp, mpf, sqrt
+from mpmath import det, eigsy, exp, eye, inverse, log, matrix, mp, mpf, sqrt
 
 mp.dps = 40
 LAM, MU = mpf(10) ** 5 * 3 / 10 / (mpf(13) / 10 * mpf(4) / 10), mpf(10) ** 6 / 26
@@ -73,9 +73,25 @@ def transverse_stvk(F, young, poisson, young_fibre, direction_x, direction_y, di
     return W, F * S
 
 
+def ogden(F, mu1, mu2, mu3, alpha1, alpha2, alpha3, bulk):
+    # P = F Σᵢ (1/λᵢ) ∂W/∂λᵢ Nᵢ Nᵢᵀ in the principal axes of C.
+    J = det(F)
+    squares, N = eigsy(F.T * F)
+    stretches = [sqrt(x) / J ** (mpf(1) / 3) for x in squares]
+    W, S = mpf(0), matrix(3, 3)
+    for mu, alpha in [(mu1, alpha1), (mu2, alpha2), (mu3, alpha3)]:
+        powers = [x**alpha for x in stretches]
+        W += 2 * mu / alpha**2 * (sum(powers) - 3)
+        for i in range(3):
+            S += 2 * mu / alpha * (powers[i] - sum(powers) / 3) / squares[i] * (N[:, i] * N[:, i].T)
+    V, P = volumetric(F, bulk)
+    return W + V, P + F * S
+
+
 LAWS = {
     "stable-neo-hookean": (stable_neo_hookean, "young=1e5 poisson=0.3"),
     "arruda-boyce": (arruda_boyce, "mu=4e4 lambda_m=1.8 bulk=2e5"),
+    "ogden": (ogden, "mu1=3.6e4 mu2=1.2e3 mu3=8e3 alpha1=1.3 alpha2=5.0 alpha3=-2.0 bulk=2e5"),
     "fung": (fung, "c=2e4 b1=3.5 b2=1.25 bulk=5e4"),
     "transverse-stvk": (
         transverse_stvk,
@@ -87,7 +103,7 @@ for name, rows in CASES.items():
     F = matrix([[mpf(x) for x in row.split()] for row in rows])
     print("deformation", name, *[float(x) for x in F])
     for law, (stress, parameters) in LAWS.items():
-        if law == "arruda-boyce" and det(F) <= 0:
+        if law in ("arruda-boyce", "ogden") and det(F) <= 0:
             continue
         values = {k: mpf(v) for k, v in (p.split("=") for p in parameters.split())}
         W, P = stress(F, **values)

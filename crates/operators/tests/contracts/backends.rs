@@ -1,10 +1,10 @@
 //! Every backend runs every derived program within the error bound of the oracle.
 
 use crate::programs::{inputs, item, run_all};
-use crate::sample::{largest, with_default_rules};
+use crate::sample::with_default_rules;
 use souple_forms::Loops;
 use souple_kernels::conformance::Random;
-use souple_kernels::oracle::Bounded;
+use souple_kernels::oracle::{self, Bounded};
 use souple_kernels::{Backend, Input, Interpreter, LANES, Scratch};
 use souple_kernels_cpu::{Cpu, InstructionSet};
 use souple_operators::{Association, derive};
@@ -42,11 +42,14 @@ fn backends_agree_with_the_oracle_on_derived_programs() {
             .unzip();
         for program in derived.staged.programs.iter().map(|p| &p.program) {
             let each: Vec<Vec<Vec<f64>>> = items.iter().map(|item| inputs(program, item)).collect();
-            let oracle: Vec<Vec<&[Bounded]>> = expected
+            let oracle: Vec<Vec<Vec<Bounded>>> = expected
                 .iter()
-                .map(|all| {
-                    let of = |b: &Buffer| &all[&(program.name.clone(), b.name.clone())][..];
-                    program.outputs.iter().map(of).collect()
+                .zip(&each)
+                .map(|(all, inputs)| {
+                    let of = |b: &Buffer| all[&(program.name.clone(), b.name.clone())].clone();
+                    let bounded: Vec<Vec<Bounded>> = program.outputs.iter().map(of).collect();
+                    // The rotations that find eigenvectors correct themselves, which no bound from step to step knows.
+                    if bounded.iter().all(|values| sharp(values)) { bounded } else { oracle::spread(program, inputs) }
                 })
                 .collect();
             for backend in &backends {
@@ -59,7 +62,13 @@ fn backends_agree_with_the_oracle_on_derived_programs() {
 
 /// Runs a program for items with these inputs and compares its outputs with what the oracle says, both
 /// [item][buffer][place].
-fn compare(what: &str, backend: &dyn Backend, program: &Program, items: &[Vec<Vec<f64>>], oracle: &[Vec<&[Bounded]>]) {
+fn compare(
+    what: &str,
+    backend: &dyn Backend,
+    program: &Program,
+    items: &[Vec<Vec<f64>>],
+    oracle: &[Vec<Vec<Bounded>>],
+) {
     let kernel = backend.compile(program).unwrap();
     let lanes: Vec<Vec<f64>> = (0..program.inputs.len())
         .map(|b| {
@@ -80,17 +89,20 @@ fn compare(what: &str, backend: &dyn Backend, program: &Program, items: &[Vec<Ve
     kernel.run(&mut Scratch::default(), GROUPS, &inputs, &mut slices);
     for (k, expected) in oracle.iter().enumerate() {
         for (b, expected) in expected.iter().enumerate() {
-            let values: Vec<f64> = expected.iter().map(|e| e.value).collect();
+            assert!(sharp(expected), "{what}: bounds for {}: {expected:?}", program.outputs[b].name);
             for (row, want) in expected.iter().enumerate() {
                 let got = outputs[b][(k / LANES * rows[b] + row) * LANES + k % LANES];
                 let name = &program.outputs[b].name;
-                // The bound itself must mean something.
-                let sharp = want.error <= 1e-6 * largest(&values).max(1.0);
-                assert!(sharp, "{what}: bound {:e} for {name}[{row}] = {:e}", want.error, want.value);
                 let close = (got - want.value).abs() <= want.error;
                 let (value, error) = (want.value, want.error);
                 assert!(close, "{what}: item {k}, {name}[{row}] is {got:e}, the oracle says {value:e} ± {error:e}");
             }
         }
     }
+}
+
+/// Whether bounds mean something.
+fn sharp(values: &[Bounded]) -> bool {
+    let largest = values.iter().fold(1.0, |m: f64, v| m.max(v.value.abs()));
+    values.iter().all(|v| v.error <= 1e-6 * largest)
 }

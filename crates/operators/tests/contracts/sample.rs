@@ -146,10 +146,10 @@ pub(crate) fn each(check: impl Fn(&mut Sample)) {
     }
 }
 
-/// Parameters well inside their ranges, in the law's order: defaults where there are any.
+/// Parameters well inside their ranges, in the law's order: defaults where there are any that are not zero.
 pub(crate) fn parameters(law: &Law) -> Vec<f64> {
     let limit = |b: Bound| match b {
-        Bound::None => None,
+        Bound::None | Bound::NonZero => None,
         Bound::Open(v) | Bound::Closed(v) => Some(v),
     };
     let inside = |p: &Parameter| match (limit(p.minimum), limit(p.maximum)) {
@@ -158,7 +158,9 @@ pub(crate) fn parameters(law: &Law) -> Vec<f64> {
         (None, Some(high)) => high - 1.25,
         (None, None) => 0.75,
     };
-    law.parameters.iter().map(|p| p.default.unwrap_or_else(|| inside(p))).collect()
+    // A default of zero would leave out what it multiplies.
+    let default = |p: &Parameter| p.default.filter(|&value| value != 0.0);
+    law.parameters.iter().map(|p| default(p).unwrap_or_else(|| inside(p))).collect()
 }
 
 /// The least distance between nodes of the reference element.

@@ -68,6 +68,7 @@ fn parameter(parameter: &souple_laws::Parameter) -> ParameterEntry {
 fn bound(bound: souple_laws::Bound) -> Option<souple_scene::Bound> {
     match bound {
         souple_laws::Bound::None => None,
+        souple_laws::Bound::NonZero => Some(souple_scene::Bound::NonZero),
         souple_laws::Bound::Open(limit) => Some(souple_scene::Bound::Open(limit)),
         souple_laws::Bound::Closed(limit) => Some(souple_scene::Bound::Closed(limit)),
     }

@@ -103,11 +103,13 @@ fn expected(parameter: &Parameter) -> String {
     let unit = if parameter.unit == "1" { String::new() } else { format!(" {}", parameter.unit) };
     let low = match parameter.minimum {
         Bound::None => None,
+        Bound::NonZero => Some("other than 0".to_owned()),
         Bound::Open(limit) => Some(format!("greater than {limit}{unit}")),
         Bound::Closed(limit) => Some(format!("at least {limit}{unit}")),
     };
     let high = match parameter.maximum {
         Bound::None => None,
+        Bound::NonZero => Some("other than 0".to_owned()),
         Bound::Open(limit) => Some(format!("less than {limit}{unit}")),
         Bound::Closed(limit) => Some(format!("at most {limit}{unit}")),
     };

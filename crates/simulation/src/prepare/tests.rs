@@ -475,6 +475,30 @@ fn directions_are_lists() {
     assert!(fault.contains("direction"), "{fault}");
 }
 
+/// Numbered parameters can be one list; too long a list, the same twice and an exponent of zero are refused at their
+/// lines.
+#[test]
+fn numbered_parameters_are_lists_or_single() {
+    let material = "[[body.material]]\nlaw = \"ogden\"\nbulk = \"2 MPa\"\n";
+    let (model, _) = prepared(&format!("{HEAD}{BODY}{material}mu = [\"3 kPa\", 20]\nalpha = [2, -1.5]\n"));
+    assert_eq!(model.blocks[0].parameters, [3e3, 20.0, 0.0, 2.0, -1.5, 5.0, 2e6]);
+    let (single, _) = prepared(&format!("{HEAD}{BODY}{material}mu1 = 3000\nmu2 = 20\nalpha1 = 2\nalpha2 = -1.5\n"));
+    assert_eq!(model.blocks[0].parameters, single.blocks[0].parameters);
+    for (lines, says) in [
+        ("mu = [1, 2, 3, 4]\nalpha = [2]\n", "a list of 1 to 3 numbers"),
+        ("mu = []\nalpha = [2]\n", "a list of 1 to 3 numbers"),
+        ("mu = 5\nalpha = [2]\n", "`mu1` to `mu3`"),
+        ("mu = [1]\nmu1 = 2\nalpha = [2]\n", "give one of the two"),
+        ("mu = [1]\nalpha = [0]\n", "other than 0"),
+        ("mu = [1]\nalpha1 = 0.0\n", "other than 0"),
+        ("mu = [1]\n", "alpha1"),
+    ] {
+        let text = format!("{HEAD}{BODY}{material}{lines}");
+        let fault = souple_scene::parse(&text, "scene.toml", &catalogue()).expect_err(lines).to_string();
+        assert!(fault.contains(says), "{lines}: {fault}");
+    }
+}
+
 /// The same scene gives the same blocks, nodes and loads, bit by bit.
 #[test]
 fn preparation_repeats_itself() {
