@@ -240,8 +240,13 @@ mod tests {
             let gap = 0.1f64.powi(exponent);
             cases.extend([[1.0 + gap, 1.0, 1.0], [3.0, 3.0 - gap, 0.2], [1.0, 1.0 + gap, 1.0 - 2.0 * gap]]);
         }
-        let angles =
-            [[0.0; 3], [0.3, -1.1, 2.0], [0.7853981633974483, 0.0, 0.0], [1e-9, 2e-9, -1e-9], [3.0, 0.4, -0.2]];
+        let angles = [
+            [0.0; 3],
+            [0.3, -1.1, 2.0],
+            [std::f64::consts::FRAC_PI_4, 0.0, 0.0],
+            [1e-9, 2e-9, -1e-9],
+            [3.0, 0.4, -0.2],
+        ];
         for values in cases {
             for (angle, size) in angles.into_iter().flat_map(|a| [1.0, 1e-30, 1e20].map(|s| (a, s))) {
                 let r = rotation(angle);
