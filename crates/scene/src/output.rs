@@ -36,6 +36,8 @@ choices! {
         VonMisesStress = "von mises stress",
         /// Mean Green–Lagrange strain of each element. Nine numbers, row by row.
         Strain = "strain",
+        /// Principal stretches of each element's mean strain, the largest first. Three numbers.
+        PrincipalStretches = "principal stretches",
         /// Strain energy per rest volume of each element (J/m^3).
         EnergyDensity = "energy density",
         /// Deformed over rest volume of each element (mean det F).

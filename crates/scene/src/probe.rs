@@ -36,8 +36,16 @@ choices! {
         DeflectionCurve = "deflection curve",
         /// Mean Cauchy stress of the elements, weighted by volume (Pa); a symmetric tensor.
         Stress = "stress",
+        /// Mean Green–Lagrange strain of the elements, weighted by rest volume; a symmetric tensor.
+        Strain = "strain",
+        /// Principal stretches of that mean strain, the largest first; a vector.
+        PrincipalStretches = "principal stretches",
         /// Volume of the elements in the deformed shape (m^3); a number.
         Volume = "volume",
+        /// Deformed over rest volume of all the elements; a number.
+        VolumeRatio = "volume ratio",
+        /// Strain energy over rest volume of all the elements (J/m^3); a number.
+        EnergyDensity = "energy density",
     }
 }
 
@@ -59,11 +67,19 @@ impl Quantity {
     pub fn shape(self) -> QuantityShape {
         use Quantity::*;
         match self {
-            MaximumDisplacement | Energy | KineticEnergy | StrainEnergy | Volume => QuantityShape::Scalar,
-            MeanDisplacement | MeanPosition | MeanVelocity | Reaction => QuantityShape::Vector,
-            Stress => QuantityShape::Tensor,
+            MaximumDisplacement | Energy | KineticEnergy | StrainEnergy | Volume | VolumeRatio | EnergyDensity => {
+                QuantityShape::Scalar
+            }
+            MeanDisplacement | MeanPosition | MeanVelocity | Reaction | PrincipalStretches => QuantityShape::Vector,
+            Stress | Strain => QuantityShape::Tensor,
             Displacement | Position | DeflectionCurve => QuantityShape::Vectors,
         }
+    }
+
+    /// Whether it is measured on elements alone, and nodes say nothing of it.
+    pub fn of_elements(self) -> bool {
+        use Quantity::*;
+        matches!(self, StrainEnergy | Stress | Strain | PrincipalStretches | Volume | VolumeRatio | EnergyDensity)
     }
 
     /// Its physical dimension.
@@ -76,7 +92,9 @@ impl Quantity {
             MeanVelocity => Dimension::VELOCITY,
             Reaction => Dimension::FORCE,
             Energy | KineticEnergy | StrainEnergy => Dimension::ENERGY,
-            Stress => Dimension::PRESSURE,
+            // J/m^3 is Pa.
+            Stress | EnergyDensity => Dimension::PRESSURE,
+            Strain | PrincipalStretches | VolumeRatio => Dimension::NUMBER,
             Volume => Dimension::VOLUME,
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::probes::{Measured, ProbeValue};
 use crate::run::{Ending, RunError, Simulation};
-use crate::tensor::{Symmetric, rows, von_mises};
+use crate::tensor::{Symmetric, principal_stretches, rows, von_mises};
 use serde::Serialize;
 use souple_mesh::formats::{Field, Location, Values, VtuOptions, write_vtu};
 use souple_operators::{Average, Mean};
@@ -137,8 +137,15 @@ impl Simulation {
                 elemental.push(("von mises stress", 1, stress.into_iter().map(von_mises).collect()));
             }
         }
-        if wants(SceneField::Strain) {
-            elemental.push(("strain", 9, mean(Average::Strain).into_iter().flat_map(rows).collect()));
+        if wants(SceneField::Strain) || wants(SceneField::PrincipalStretches) {
+            let strain = mean(Average::Strain);
+            if wants(SceneField::PrincipalStretches) {
+                let stretches = strain.iter().copied().flat_map(principal_stretches).collect();
+                elemental.push(("principal stretches", 3, stretches));
+            }
+            if wants(SceneField::Strain) {
+                elemental.push(("strain", 9, strain.into_iter().flat_map(rows).collect()));
+            }
         }
         if wants(SceneField::EnergyDensity) {
             let mut volumes = vec![1.0; count];

@@ -2,7 +2,7 @@
 
 use crate::prepare::ProbeRegion;
 use crate::system::System;
-use crate::tensor::von_mises;
+use crate::tensor::{principal_stretches, von_mises};
 use serde::Serialize;
 use souple_operators::Average;
 use souple_scene::expect::{Component, ExpectedValue};
@@ -51,7 +51,7 @@ impl Measured<'_> {
             .sum()
     }
 
-    fn strain(&mut self, elements: &[u32]) -> f64 {
+    fn strain_energy(&mut self, elements: &[u32]) -> f64 {
         let mut total = 0.0;
         self.system.elements.each_energy(self.u, |id, energy| {
             if elements.binary_search(&id).is_ok() {
@@ -61,11 +61,22 @@ impl Measured<'_> {
         total
     }
 
-    /// Mean stress in Pa, weighted by the volumes that the elements' means are of.
-    fn stress(&mut self, elements: &[u32]) -> [f64; 6] {
+    /// Volume of some elements in m³ at displacement `u`.
+    fn volume(&mut self, u: &[f64], elements: &[u32]) -> f64 {
+        let mut total = 0.0;
+        self.system.elements.each_volume(u, |id, volume| {
+            if elements.binary_search(&id).is_ok() {
+                total += volume;
+            }
+        });
+        total
+    }
+
+    /// Mean stress in Pa or strain, weighted by the volumes that the elements' means are of.
+    fn mean(&mut self, average: Average, elements: &[u32]) -> [f64; 6] {
         let mut total = [0.0; 6];
         let mut volume = 0.0;
-        self.system.elements.each_mean(Average::Stress, self.u, |id, mean| {
+        self.system.elements.each_mean(average, self.u, |id, mean| {
             if elements.binary_search(&id).is_ok() {
                 total.iter_mut().zip(mean.tensor).for_each(|(t, s)| *t += mean.volume * s);
                 volume += mean.volume;
@@ -107,18 +118,25 @@ impl Measured<'_> {
                 ProbeValue::Vector(total)
             }
             Quantity::KineticEnergy => ProbeValue::Scalar(self.kinetic(nodes.iter().copied())),
-            Quantity::StrainEnergy => ProbeValue::Scalar(self.strain(&region.elements)),
-            Quantity::Energy => ProbeValue::Scalar(self.kinetic(nodes.iter().copied()) + self.strain(&region.elements)),
-            Quantity::Volume => {
-                let mut total = 0.0;
-                self.system.elements.each_volume(self.u, |id, volume| {
-                    if region.elements.binary_search(&id).is_ok() {
-                        total += volume;
-                    }
-                });
-                ProbeValue::Scalar(total)
+            Quantity::StrainEnergy => ProbeValue::Scalar(self.strain_energy(&region.elements)),
+            Quantity::Energy => {
+                ProbeValue::Scalar(self.kinetic(nodes.iter().copied()) + self.strain_energy(&region.elements))
             }
-            Quantity::Stress => ProbeValue::Tensor(self.stress(&region.elements)),
+            Quantity::Volume => ProbeValue::Scalar(self.volume(self.u, &region.elements)),
+            Quantity::VolumeRatio => {
+                let rest = vec![0.0; self.u.len()];
+                let (now, then) = (self.volume(self.u, &region.elements), self.volume(&rest, &region.elements));
+                ProbeValue::Scalar(now / then)
+            }
+            Quantity::EnergyDensity => {
+                let rest = vec![0.0; self.u.len()];
+                ProbeValue::Scalar(self.strain_energy(&region.elements) / self.volume(&rest, &region.elements))
+            }
+            Quantity::Strain => ProbeValue::Tensor(self.mean(Average::Strain, &region.elements)),
+            Quantity::PrincipalStretches => {
+                ProbeValue::Vector(principal_stretches(self.mean(Average::Strain, &region.elements)))
+            }
+            Quantity::Stress => ProbeValue::Tensor(self.mean(Average::Stress, &region.elements)),
         }
     }
 

@@ -520,11 +520,13 @@ fn method(scene: &Scene) -> Option<Method> {
 fn means(scene: &Scene) -> Vec<Average> {
     let mut means = Vec::new();
     let fields = &scene.output.fields;
-    let probed = scene.probes.iter().any(|probe| probe.quantities.iter().any(|q| q.value == Quantity::Stress));
-    if probed || fields.contains(&SceneField::Stress) || fields.contains(&SceneField::VonMisesStress) {
+    let probed = |q: Quantity| scene.probes.iter().any(|probe| probe.quantities.iter().any(|p| p.value == q));
+    if probed(Quantity::Stress) || fields.contains(&SceneField::Stress) || fields.contains(&SceneField::VonMisesStress)
+    {
         means.push(Average::Stress);
     }
-    if fields.contains(&SceneField::Strain) {
+    let strain = [SceneField::Strain, SceneField::PrincipalStretches].iter().any(|f| fields.contains(f));
+    if strain || probed(Quantity::Strain) || probed(Quantity::PrincipalStretches) {
         means.push(Average::Strain);
     }
     means

@@ -79,11 +79,14 @@ component = "yz"
 value = 1.0
 tolerance = 0.5
 [output]
-fields = ["stress", "von mises stress", "strain"]
+fields = ["stress", "von mises stress", "strain", "principal stretches", "volume ratio", "energy density"]
 "#;
 
 /// Stretch λ = 1.05: S_xx = E (λ² − 1)/2 = 5.125 MPa and σ_xx = λ S_xx / (lateral stretch)², by an independent program.
 const CAUCHY: f64 = 5_551_973.175_135_416;
+
+/// √(1 − 2ν e) with the axial strain e = (λ² − 1)/2.
+const LATERAL: f64 = 0.984_504_951_739_705_5;
 
 fn load(text: &str, overrides: &[&str]) -> Simulation {
     let overrides: Vec<String> = overrides.iter().map(|s| (*s).to_string()).collect();
@@ -170,6 +173,10 @@ fn fields_are_written_for_every_element() {
         ("stress", diagonal(CAUCHY, 0.0), CAUCHY),
         ("von mises stress", vec![CAUCHY], CAUCHY),
         ("strain", diagonal(strain, -0.3 * strain), strain),
+        ("principal stretches", vec![1.05, LATERAL, LATERAL], 1.05),
+        ("volume ratio", vec![1.05 * LATERAL * LATERAL], 1.0),
+        // ½ E e²: what a bar with free sides stores.
+        ("energy density", vec![0.5e8 * strain * strain], 0.5e8 * strain * strain),
     ];
     for (name, wanted, size) in cases {
         let field: &Field = fields.iter().find(|f| f.name == name).unwrap_or_else(|| panic!("no field `{name}`"));
@@ -180,6 +187,32 @@ fn fields_are_written_for_every_element() {
             let near = found.iter().zip(&wanted).all(|(a, b)| (a - b).abs() <= 1e-6 * size);
             assert!(near, "{name} of element {element}: {found:?}, not {wanted:?}");
         }
+    }
+}
+
+/// Probes give the strain, its principal stretches, the change of volume and the density of energy of their elements.
+#[test]
+fn probes_show_the_strain() {
+    let quantities = "quantity = [\"strain\", \"principal stretches\", \"volume ratio\", \"energy density\"]";
+    let probe = format!("[[probe]]\nname = \"strained\"\nregion = \"section_1\"\n{quantities}\n[[probe]]");
+    let mut simulation = end(&BAR.replacen("[[probe]]", &probe, 1), &[]);
+    let measured = simulation.probes().remove("strained").unwrap();
+    let strain = 0.5 * (1.05 * 1.05 - 1.0);
+    for (quantity, wanted) in [
+        ("strain", vec![strain, -0.3 * strain, -0.3 * strain, 0.0, 0.0, 0.0]),
+        ("principal stretches", vec![1.05, LATERAL, LATERAL]),
+        ("volume ratio", vec![1.05 * LATERAL * LATERAL]),
+        ("energy density", vec![0.5e8 * strain * strain]),
+    ] {
+        let found = match &measured[quantity] {
+            ProbeValue::Scalar(x) => vec![*x],
+            ProbeValue::Vector(v) => v.to_vec(),
+            ProbeValue::Tensor(t) => t.to_vec(),
+            ProbeValue::Vectors(_) => Vec::new(),
+        };
+        let near =
+            found.len() == wanted.len() && found.iter().zip(&wanted).all(|(a, b)| (a - b).abs() <= 1e-7 * wanted[0]);
+        assert!(near, "{quantity}: {found:?}, not {wanted:?}");
     }
 }
 

@@ -126,8 +126,7 @@ pub(super) fn probe(probe: &Probe, places: &[Option<Place<'_>>], findings: &mut 
 
 /// What the quantities of a probe are computed from.
 fn needs(probe: &Probe) -> Needs {
-    let of_elements = |q: Quantity| matches!(q, Quantity::StrainEnergy | Quantity::Stress | Quantity::Volume);
-    if probe.quantities.iter().any(|q| of_elements(q.value)) {
+    if probe.quantities.iter().any(|q| q.value.of_elements()) {
         Needs::Elements
     } else if probe.quantities.iter().all(|q| q.value == Quantity::Energy) {
         Needs::Anything
