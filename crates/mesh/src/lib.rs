@@ -9,6 +9,7 @@
 //! | know whether it is fit to compute with, and repair it | [`check::report`], [`check::repair`] |
 //! | select a part of it | [`region::select`] |
 //! | know who shares which face, its boundary, where it does not conform | [`topology::Topology`] |
+//! | know which nodes must follow others for it to conform | [`constraint::conformity`] |
 //! | turn linear elements into quadratic ones | [`with_elements`] |
 //! | number nodes and elements for locality | [`numbering`] |
 //!
@@ -16,6 +17,7 @@
 
 pub mod bar;
 pub mod check;
+pub mod constraint;
 pub mod formats;
 mod geometry;
 mod mesh;

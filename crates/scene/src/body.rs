@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::choice::Named as _;
+use crate::conforming::Conforming;
 use crate::dimension::Dimension;
 use crate::error::Problem;
 use crate::load::{FORCE, Force, PRESSURE, Pressure, TRACTION, Traction};
@@ -26,6 +28,8 @@ pub struct Body {
     pub initial_velocity: [f64; 3],
     /// Where its mesh comes from.
     pub mesh: Spanned<Mesh>,
+    /// Whether nodes in the middle of a side of another element follow that side (default: they do).
+    pub conforming: Conforming,
     /// Quadratures other than the elements' defaults, in the order of the elements' ids.
     pub quadrature: Vec<Spanned<Quadrature>>,
     /// Regions defined in the scene; they may refer to each other, without cycles.
@@ -86,6 +90,12 @@ pub(crate) static BODY: Section = Section {
         },
         Key { name: "mesh", kind: Kind::Table(&MESH), presence: Presence::Required, about: "the mesh" },
         Key {
+            name: "conforming",
+            kind: Kind::Choice(Conforming::CHOICES),
+            presence: Presence::Default("\"auto\""),
+            about: "what nodes do that lie in the middle of a side of another element of this body",
+        },
+        Key {
             name: "quadrature",
             kind: Kind::Table(&QUADRATURE),
             presence: Presence::Optional("each element's default"),
@@ -144,6 +154,7 @@ impl Reader<'_> {
         let (name, density) = (self.name(fields), self.number(fields, "density"));
         let initial_velocity = self.vector(fields, "initial_velocity").map_or([0.0; 3], |velocity| velocity.value);
         let mesh = self.table(fields, "mesh").and_then(|table| self.mesh(&table));
+        let conforming = self.choice(fields, "conforming").map_or(Conforming::Auto, |choice| choice.value);
         let quadrature = self.table(fields, "quadrature").map_or(Vec::new(), |table| self.quadrature(&table));
         let regions = self.list(fields, "region", Self::named_region);
         let materials = self.list(fields, "material", Self::material);
@@ -163,6 +174,7 @@ impl Reader<'_> {
             density: density?,
             initial_velocity,
             mesh: mesh?,
+            conforming,
             quadrature,
             regions,
             materials,

@@ -43,6 +43,7 @@ pub mod body;
 pub mod canonical;
 pub mod catalogue;
 pub mod choice;
+pub mod conforming;
 pub mod dimension;
 pub mod error;
 pub mod expect;

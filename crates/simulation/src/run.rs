@@ -19,7 +19,7 @@ use souple_solver::quasi_static::{QuasiStaticOptions, QuasiStaticStatus, quasi_s
 use souple_solver::rest::{Rest, RestMonitor};
 use souple_solver::step::{State, StepOptions, StepStatus, StepWorkspace, WarmStart, step};
 use souple_solver::vector::norm;
-use souple_solver::{LanczosOptions, Method, NewtonOptions, StepBound, critical_step};
+use souple_solver::{Elimination, LanczosOptions, Method, NewtonOptions, StepBound, critical_step};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -181,7 +181,10 @@ impl Simulation {
         }
         elements.prepare_means(&means(&scene), &*device, Costs::default())?;
         let solver = scene.linear_solver.clone();
-        let mut system = System::new(elements, &masses, scene.gravity, prepared.nodes.clone(), solver, threads);
+        let following = prepared.constraints.iter().map(|c| (c.node, &c.masters[..]));
+        let elimination = Elimination::new(elements.dimension(), following);
+        let nodes = prepared.nodes.clone();
+        let mut system = System::new(elements, &masses, scene.gravity, nodes, elimination, solver, threads);
         constrain(&mut system, &scene, &prepared);
         let len = system.mass.len();
         let mut state = State::at_rest(len);
@@ -338,11 +341,12 @@ impl Simulation {
         let damping = integrator.velocity_damping;
         if damping > 0.0 {
             let factor = (-damping * h).exp();
-            for (v, &held) in self.state.v.iter_mut().zip(&self.system.prescribed) {
+            for (v, &held) in self.state.v.iter_mut().zip(&self.system.held) {
                 if !held {
                     *v *= factor;
                 }
             }
+            self.system.elimination.expand(&mut self.state.v);
         }
         Ok(report.linear_iterations)
     }
@@ -378,6 +382,7 @@ impl Simulation {
         };
         let mut u = std::mem::take(&mut self.state.u);
         let outcome = quasi_static(&mut self.system, &mut u, &options, &mut |_, _| ControlFlow::Continue(()));
+        self.system.elimination.expand(&mut u);
         self.state.u = u;
         self.state.t = start + outcome.factor * h;
         let reached = format!("{:.4} of the load", outcome.factor);
@@ -532,7 +537,7 @@ fn means(scene: &Scene) -> Vec<Average> {
     means
 }
 
-/// Prescribed unknowns, motions and loads.
+/// Prescribed unknowns, motions and loads; what acts on a node that follows others acts on its masters.
 fn constrain(system: &mut System, scene: &Scene, prepared: &Prepared) {
     let d = system.dimension;
     for (nodes, axes) in &prepared.fixed {
@@ -559,12 +564,15 @@ fn constrain(system: &mut System, scene: &Scene, prepared: &Prepared) {
             }),
         });
     }
+    system.settle();
+    let mut at_nodes = vec![0.0; system.mass.len()];
     for load in &prepared.loads {
-        let forces = load
-            .forces
-            .iter()
-            .flat_map(|&(n, force)| (0..d).map(move |axis| (n as usize * d + axis, force[axis])))
-            .collect();
+        at_nodes.fill(0.0);
+        for &(n, force) in &load.forces {
+            (0..d).for_each(|axis| at_nodes[n as usize * d + axis] += force[axis]);
+        }
+        system.elimination.restrict(&mut at_nodes);
+        let forces = at_nodes.iter().copied().enumerate().filter(|(_, force)| *force != 0.0).collect();
         system.loads.push(FlatLoad { forces, factor: load.factor.clone() });
     }
 }

@@ -5,17 +5,22 @@
 //! ```text
 //! F(t, u, v) = f(u) + g + p(t) − (α M + β K + C) v      internal, gravity, loads, Rayleigh damping, viscosity
 //! M            lumped masses
-//! P            zero on fixed and moved unknowns
+//! P            zero on fixed and moved unknowns, and on those that follow others
+//! T            u = T û: nodes that follow others ([`Elimination`])
 //! ```
+//!
+//! The solvers see F̂(û) = Tᵀ F(T û) and K̂ = Tᵀ K T on vectors of full length whose entries on following nodes are idle:
+//! what stands there is overwritten by [`SecondOrder::prescribe`] and never read. Masses, gravity and loads of following
+//! nodes are given to their masters once, at the start.
 
 use crate::motion::Motion;
 use souple_operators::{AssemblyMap, Elements, Masses, Threads};
 use souple_scene::linear_solver::{LinearMethod, LinearSolver, Operator, Preconditioner as Choice};
 use souple_solver::vector::norm;
 use souple_solver::{
-    BlockCsr, BlockJacobi, CgOptions, CgWorkspace, Combination, Csr, DirectSolver, Failure, Identity,
-    IncompleteCholesky, Jacobi, LinearOperator, LinearReport, LoadProblem, NewtonProblem, Preconditioner, Projector,
-    SecondOrder, Serial, SkylineLdlt, cg, solve_directly,
+    BlockCsr, BlockJacobi, CgOptions, CgWorkspace, Combination, CondensationMap, Csr, DirectSolver, Elimination,
+    Failure, Identity, IncompleteCholesky, Jacobi, LinearOperator, LinearReport, LoadProblem, NewtonProblem,
+    Preconditioner, Projector, SecondOrder, Serial, SkylineLdlt, cg, solve_directly,
 };
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -37,6 +42,10 @@ pub(crate) struct System {
     pub(crate) loads: Vec<FlatLoad>,
     /// Whether each unknown is prescribed.
     pub(crate) prescribed: Vec<bool>,
+    /// Whether each unknown is prescribed or follows others: where P is zero.
+    pub(crate) held: Vec<bool>,
+    /// Nodes that follow others.
+    pub(crate) elimination: Elimination,
     pub(crate) motions: Vec<Motion>,
     /// Rayleigh coefficients α in 1/s and β in s.
     pub(crate) rayleigh: [f64; 2],
@@ -61,6 +70,8 @@ pub(crate) struct System {
     damping_stale: bool,
     workspace: CgWorkspace,
     scratch: Vec<f64>,
+    /// T û of what is evaluated; empty when no node follows another.
+    expanded: Vec<f64>,
     threads: Arc<Threads>,
     direct: Option<SkylineLdlt>,
     incomplete: Option<IncompleteCholesky>,
@@ -68,6 +79,8 @@ pub(crate) struct System {
 
 /// The stiffness matrix and the matrix of the linear system, with the same pattern.
 struct Matrices {
+    /// The stiffness of all nodes, where some follow others, and how it is condensed.
+    full: Option<(BlockCsr, CondensationMap)>,
     stiffness: BlockCsr,
     /// Of viscous elements, where there are any.
     viscosity: Option<BlockCsr>,
@@ -83,6 +96,7 @@ impl System {
         masses: &Masses,
         gravity: [f64; 3],
         nodes: Vec<[f64; 3]>,
+        elimination: Elimination,
         solver: LinearSolver,
         threads: Arc<Threads>,
     ) -> System {
@@ -91,6 +105,10 @@ impl System {
         let spread = |values: &[f64], axis_factor: &dyn Fn(usize) -> f64| -> Vec<f64> {
             (0..len).map(|k| values[k / d] * axis_factor(k % d)).collect()
         };
+        let mut lumped = masses.lumped.clone();
+        elimination.lump(&mut lumped);
+        let mut weight = spread(&masses.shape, &|axis| gravity[axis]);
+        elimination.restrict(&mut weight);
         let mut low = [f64::INFINITY; 3];
         let mut high = [f64::NEG_INFINITY; 3];
         for node in &nodes {
@@ -102,10 +120,11 @@ impl System {
         let size = (0..3).map(|k| (high[k] - low[k]).powi(2)).sum::<f64>().sqrt();
         let mut system = System {
             dimension: d,
-            mass: spread(&masses.lumped, &|_| 1.0),
-            gravity: spread(&masses.shape, &|axis| gravity[axis]),
+            mass: spread(&lumped, &|_| 1.0),
+            gravity: weight,
             loads: Vec::new(),
             prescribed: vec![false; len],
+            held: vec![false; len],
             motions: Vec::new(),
             rayleigh: [0.0; 2],
             nodes,
@@ -121,20 +140,53 @@ impl System {
             damping_stale: true,
             workspace: CgWorkspace::new(len),
             scratch: vec![0.0; len],
+            expanded: vec![0.0; if elimination.is_empty() { 0 } else { len }],
+            elimination,
             threads,
             direct: None,
             incomplete: None,
             elements,
         };
         if system.needs_matrix() {
-            let (stiffness, map) = system.elements.pattern();
+            let (pattern, map) = system.elements.pattern();
+            let (full, stiffness) = if system.elimination.is_empty() {
+                (None, pattern)
+            } else {
+                let (condensed, condensation) = system.elimination.pattern(&pattern);
+                (Some((pattern, condensation)), condensed)
+            };
             let diagonal = (0..stiffness.row_count())
                 .map(|n| stiffness.slot(n, n).expect("every node has its diagonal block") as u32)
                 .collect();
             let viscosity = system.elements.is_viscous().then(|| stiffness.clone());
-            system.matrices = Some(Matrices { system: stiffness.clone(), stiffness, viscosity, map, diagonal });
+            system.matrices = Some(Matrices { full, system: stiffness.clone(), stiffness, viscosity, map, diagonal });
         }
         system
+    }
+
+    /// Settles which unknowns the solvers leave alone, once all are prescribed that will be. A following node cannot be
+    /// prescribed: it does what its masters do.
+    pub(crate) fn settle(&mut self) {
+        let d = self.dimension;
+        for &row in self.elimination.rows() {
+            self.prescribed[row as usize * d..(row as usize + 1) * d].fill(false);
+        }
+        self.held.copy_from_slice(&self.prescribed);
+        for &row in self.elimination.rows() {
+            self.held[row as usize * d..(row as usize + 1) * d].fill(true);
+        }
+    }
+
+    /// `act` with T x.
+    fn with_expanded(&mut self, x: &[f64], act: impl FnOnce(&mut System, &[f64])) {
+        if self.elimination.is_empty() {
+            return act(self, x);
+        }
+        let mut expanded = std::mem::take(&mut self.expanded);
+        expanded.copy_from_slice(x);
+        self.elimination.expand(&mut expanded);
+        act(self, &expanded);
+        self.expanded = expanded;
     }
 
     /// Whether products use the matrix. `auto` does: for linear elements no other product costs less per iteration.
@@ -165,17 +217,30 @@ impl System {
     /// out ← f(u) + external forces at time `t`.
     pub(crate) fn unbalanced(&mut self, t: f64, u: &[f64], out: &mut [f64]) {
         self.external(t, out);
-        self.elements.add_force(u, out);
+        self.with_expanded(u, |system, u| system.elements.add_force(u, out));
+        self.elimination.restrict(out);
     }
 
     fn linearise_at(&mut self, u: &[f64]) {
         self.linearised.copy_from_slice(u);
-        self.elements.linearise(u);
+        self.elimination.expand(&mut self.linearised);
+        self.elements.linearise(&self.linearised);
         self.stale = false;
-        if let Some(m) = &mut self.matrices {
-            self.elements.assemble(u, &m.map, &mut m.stiffness);
-            if let Some(viscosity) = &mut m.viscosity {
-                self.elements.assemble_damping(u, &m.map, viscosity);
+        match &mut self.matrices {
+            None => {}
+            Some(Matrices { full: None, stiffness, viscosity, map, .. }) => {
+                self.elements.assemble(&self.linearised, map, stiffness);
+                if let Some(viscosity) = viscosity {
+                    self.elements.assemble_damping(&self.linearised, map, viscosity);
+                }
+            }
+            Some(Matrices { full: Some((full, condensation)), stiffness, viscosity, map, .. }) => {
+                self.elements.assemble(&self.linearised, map, full);
+                condensation.condense(full, stiffness);
+                if let Some(viscosity) = viscosity {
+                    self.elements.assemble_damping(&self.linearised, map, full);
+                    condensation.condense(full, viscosity);
+                }
             }
         }
         self.damping_stale = true;
@@ -190,7 +255,8 @@ impl System {
             self.elements.linearise_damping(&self.linearised);
             self.damping_stale = false;
         }
-        self.elements.add_damping(1.0, x, y);
+        self.with_expanded(x, |system, x| system.elements.add_damping(1.0, x, y));
+        self.elimination.restrict(y);
     }
 
     /// y ← K x at the linearised state.
@@ -208,7 +274,8 @@ impl System {
             self.stale = false;
         }
         y.fill(0.0);
-        self.elements.add_tangent(-1.0, x, y);
+        self.with_expanded(x, |system, x| system.elements.add_tangent(-1.0, x, y));
+        self.elimination.restrict(y);
     }
 
     /// Solves (m M + k K + c C) x = rhs on the free unknowns.
@@ -230,6 +297,9 @@ impl System {
                     values[slot as usize * size + axis * (d + 1)] += m * self.mass[node * d + axis];
                 }
             }
+            if let Some((_, condensation)) = &matrices.full {
+                condensation.write_idle(&mut matrices.system);
+            }
         }
         if self.solver.method.value == LinearMethod::Direct {
             return self.solve_by_factors(rhs, x);
@@ -244,8 +314,8 @@ impl System {
             Err(report) => return report,
         };
         let mut workspace = std::mem::take(&mut self.workspace);
-        let mask = std::mem::take(&mut self.prescribed);
-        let projector = Mask { prescribed: &mask };
+        let mask = std::mem::take(&mut self.held);
+        let projector = Mask { held: &mask };
         let report = if self.assembled_product() {
             let matrices = self.matrices.as_ref().expect("an assembled product has its matrix");
             let operator = Assembled { matrix: &matrices.system, threads: &self.threads, dimension: d };
@@ -254,7 +324,7 @@ impl System {
             let operator = MatrixFree { system: RefCell::new(&mut *self), m, k, c };
             cg(&operator, &*preconditioner, &projector, &Serial, rhs, x, &options, &mut workspace)
         };
-        self.prescribed = mask;
+        self.held = mask;
         self.workspace = workspace;
         report
     }
@@ -277,11 +347,11 @@ impl System {
             }
             Choice::BlockJacobi => {
                 let mut blocks = blocks();
-                decouple(&mut blocks, &self.prescribed, d);
+                decouple(&mut blocks, &self.held, d);
                 Box::new(BlockJacobi::new(d, &blocks))
             }
             Choice::IncompleteCholesky => {
-                let matrix = fixed_csr(&matrices.system, &self.prescribed);
+                let matrix = fixed_csr(&matrices.system, &self.held);
                 let factors = match self.incomplete.take() {
                     Some(mut known) => known.update(&matrix).map(|()| known),
                     None => IncompleteCholesky::new(&matrix),
@@ -300,7 +370,8 @@ impl System {
 
     /// Refuses states in which an element is inside out whose law has no meaning there.
     fn refuse_inversion(&mut self, u: &[f64]) -> Result<(), Failure> {
-        let inverted = self.elements.fatally_inverted(u);
+        let mut inverted = Vec::new();
+        self.with_expanded(u, |system, u| inverted = system.elements.fatally_inverted(u));
         let Some(&(id, ratio)) = inverted.first() else { return Ok(()) };
         Err(Failure::inadmissible(
             None,
@@ -313,11 +384,11 @@ impl System {
 
     fn solve_by_factors(&mut self, rhs: &[f64], x: &mut [f64]) -> LinearReport {
         let matrices = self.matrices.as_ref().expect("a direct solver has its matrix");
-        let matrix = fixed_csr(&matrices.system, &self.prescribed);
+        let matrix = fixed_csr(&matrices.system, &self.held);
         let solver = self.direct.get_or_insert_with(|| SkylineLdlt::analyse(&matrix));
         let mut right = rhs.to_vec();
-        for (r, &p) in right.iter_mut().zip(&self.prescribed) {
-            if p {
+        for (r, &held) in right.iter_mut().zip(&self.held) {
+            if held {
                 *r = 0.0;
             }
         }
@@ -328,19 +399,19 @@ impl System {
     }
 }
 
-/// The matrix with identity rows for prescribed unknowns.
-fn fixed_csr(matrix: &BlockCsr, prescribed: &[bool]) -> Csr {
-    let fixed: Vec<usize> = (0..prescribed.len()).filter(|&k| prescribed[k]).collect();
+/// The matrix with identity rows for held unknowns.
+fn fixed_csr(matrix: &BlockCsr, held: &[bool]) -> Csr {
+    let fixed: Vec<usize> = (0..held.len()).filter(|&k| held[k]).collect();
     let mut csr = matrix.to_csr();
     csr.fix_unknowns(&fixed);
     csr
 }
 
-/// Makes prescribed axes of diagonal blocks independent of the free ones, so that their inverse acts on the free ones
+/// Makes held axes of diagonal blocks independent of the free ones, so that their inverse acts on the free ones
 /// as the inverse of the free part.
-fn decouple(blocks: &mut [f64], prescribed: &[bool], d: usize) {
+fn decouple(blocks: &mut [f64], held: &[bool], d: usize) {
     for (node, block) in blocks.chunks_mut(d * d).enumerate() {
-        for axis in (0..d).filter(|a| prescribed[node * d + a]) {
+        for axis in (0..d).filter(|a| held[node * d + a]) {
             for other in (0..d).filter(|&o| o != axis) {
                 block[axis * d + other] = 0.0;
                 block[other * d + axis] = 0.0;
@@ -376,12 +447,12 @@ fn multiply(matrix: &BlockCsr, threads: &Threads, d: usize, x: &[f64], y: &mut [
 }
 
 struct Mask<'a> {
-    prescribed: &'a [bool],
+    held: &'a [bool],
 }
 
 impl Projector for Mask<'_> {
     fn project(&self, v: &mut [f64]) {
-        for (v, &p) in v.iter_mut().zip(self.prescribed) {
+        for (v, &p) in v.iter_mut().zip(self.held) {
             if p {
                 *v = 0.0;
             }
@@ -449,14 +520,20 @@ impl SecondOrder for System {
             }
         }
         if beta != 0.0 {
-            self.elements.linearise(u);
-            self.stale = self.linearised != u;
-            self.elements.add_tangent(beta, v, out);
+            self.with_expanded(u, |system, u| {
+                system.elements.linearise(u);
+                system.stale = system.linearised != u;
+            });
+            self.with_expanded(v, |system, v| system.elements.add_tangent(beta, v, out));
+            self.elimination.restrict(out);
         }
         if self.elements.is_viscous() {
-            self.elements.linearise_damping(u);
-            self.damping_stale = self.linearised != u;
-            self.elements.add_damping(-1.0, v, out);
+            self.with_expanded(u, |system, u| {
+                system.elements.linearise_damping(u);
+                system.damping_stale = system.linearised != u;
+            });
+            self.with_expanded(v, |system, v| system.elements.add_damping(-1.0, v, out));
+            self.elimination.restrict(out);
         }
         Ok(())
     }
@@ -469,7 +546,7 @@ impl SecondOrder for System {
 
     fn mass_solve(&mut self, rhs: &[f64], x: &mut [f64]) -> LinearReport {
         for (k, x) in x.iter_mut().enumerate() {
-            *x = if self.prescribed[k] { 0.0 } else { rhs[k] / self.mass[k] };
+            *x = if self.held[k] { 0.0 } else { rhs[k] / self.mass[k] };
         }
         LinearReport::direct(0.0)
     }
@@ -503,7 +580,7 @@ impl SecondOrder for System {
     }
 
     fn project(&self, v: &mut [f64]) {
-        Mask { prescribed: &self.prescribed }.project(v);
+        Mask { held: &self.held }.project(v);
     }
 
     fn prescribe(&self, t: f64, u: &mut [f64], v: &mut [f64]) {
@@ -514,6 +591,8 @@ impl SecondOrder for System {
         for motion in &self.motions {
             motion.prescribe(t, &self.nodes, self.dimension, u, v);
         }
+        self.elimination.expand(u);
+        self.elimination.expand(v);
     }
 
     fn admissible(&mut self, t: f64, u: &[f64], _v: &[f64]) -> Result<(), Failure> {
@@ -540,8 +619,8 @@ impl NewtonProblem for System {
     fn residual(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), Failure> {
         self.refuse_inversion(x)?;
         self.unbalanced(self.load_time, x, out);
-        for (o, &p) in out.iter_mut().zip(&self.prescribed) {
-            *o = if p { 0.0 } else { -*o };
+        for (o, &held) in out.iter_mut().zip(&self.held) {
+            *o = if held { 0.0 } else { -*o };
         }
         Ok(())
     }
@@ -552,7 +631,9 @@ impl NewtonProblem for System {
         self.external(self.load_time, &mut external);
         let work: f64 = external.iter().zip(x).map(|(f, u)| f * u).sum();
         self.scratch = external;
-        Ok(Some(self.elements.energy(x) - work))
+        let mut energy = 0.0;
+        self.with_expanded(x, |system, x| energy = system.elements.energy(x));
+        Ok(Some(energy - work))
     }
 
     fn linearise(&mut self, x: &[f64]) -> Result<(), Failure> {

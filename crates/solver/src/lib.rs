@@ -10,6 +10,7 @@
 //! | `r(x) = 0` | [`newton()`] | [`NewtonProblem`] |
 //! | `r(x, λ) = 0`, λ from 0 to 1 | [`quasi_static()`] | [`LoadProblem`] |
 //! | `M ü = F(t, u, u̇)` | [`step()`] with a [`Method`] and a [`State`] | [`SecondOrder`] |
+//! | the same with unknowns that follow others, u = T û | [`Elimination`] | weights |
 //! | the largest step that is stable | [`critical_step()`] | [`SecondOrder`] |
 //! | has it come to rest? | [`RestMonitor`] | a kinetic energy |
 //!
@@ -27,6 +28,7 @@ pub mod cg;
 pub mod critical_step;
 pub mod csr;
 pub mod direct;
+pub mod elimination;
 mod explicit;
 pub mod failure;
 mod implicit;
@@ -52,6 +54,7 @@ pub use cg::{CgOptions, CgWorkspace, LinearReport, LinearStatus, cg};
 pub use critical_step::{CriticalStep, StepBound, critical_step, stable_step};
 pub use csr::Csr;
 pub use direct::{DirectError, DirectSolver, SkylineLdlt, solve_directly};
+pub use elimination::{CondensationMap, Elimination};
 pub use failure::{Failure, FailureKind};
 pub use incomplete_cholesky::{IncompleteCholesky, IncompleteCholeskyError};
 pub use lanczos::LanczosOptions;

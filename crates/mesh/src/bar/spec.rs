@@ -144,6 +144,7 @@ impl BarReport {
             .iter()
             .map(|m| {
                 let ([a, b], [from, to]) = (m.sections, m.elements);
+                let place = format!("section_{a} ({from}) and section_{b} ({to}): on {} faces", m.faces);
                 let (what, cure) = match m.kind {
                     MismatchKind::QuadrangleAgainstTriangles => {
                         ("a quadrangle meets two triangles", "insert a transition layer of pyramids")
@@ -152,13 +153,13 @@ impl BarReport {
                         ("two triangles meet two triangles on the other diagonal", "choose the same subdivision in both or insert a transition layer of pyramids")
                     }
                     MismatchKind::DifferentInterpolation => {
-                        ("the two sides interpolate differently", "give both sections elements of the same degree")
+                        return format!(
+                            "{place} the two sides interpolate differently; a scene makes the richer side follow the other, \
+                             others may not"
+                        );
                     }
                 };
-                format!(
-                    "section_{a} ({from}) and section_{b} ({to}): on {} faces {what}, so displacements are not continuous there; {cure}",
-                    m.faces
-                )
+                format!("{place} {what}, so displacements are not continuous there; {cure}")
             })
             .collect()
     }

@@ -14,6 +14,7 @@ mod name;
 
 pub use depth::SurfaceDistance;
 
+use crate::constraint::conformity;
 use crate::geometry::{BoundingBox, dot, minus, norm, tolerance};
 use crate::mesh::{ElementId, Mesh, Region, sorted_set};
 use crate::topology::{Topology, TopologyError, exterior, surface};
@@ -172,8 +173,9 @@ pub fn evaluate(mesh: &Mesh, spec: &RegionSpec) -> Result<Region, RegionError> {
                 return Err(RegionError::Shape { what });
             }
             let topology = Topology::new(mesh)?;
-            // Faces between sections that do not meet are inside the body.
-            let skin = surface(mesh, &topology, &exterior(&topology));
+            // Faces that do not match those that they lie on are inside the body.
+            let outside = conformity(mesh, &topology).map_or_else(|_| exterior(&topology), |c| c.skin(&topology));
+            let skin = surface(mesh, &topology, &outside);
             let surface = SurfaceDistance::new(&skin.mesh);
             Ok(by_position(mesh, |p| surface.within(p, below + tolerance)))
         }

@@ -5,9 +5,9 @@
 use super::{FaceId, Topology};
 
 /// Corners of a face in increasing order; unused places hold the largest number.
-type CornerSet = [u32; 4];
+pub(crate) type CornerSet = [u32; 4];
 
-pub(super) fn corner_set(corners: impl Iterator<Item = u32>) -> CornerSet {
+pub(crate) fn corner_set(corners: impl Iterator<Item = u32>) -> CornerSet {
     let mut set = [u32::MAX; 4];
     for (place, corner) in set.iter_mut().zip(corners) {
         *place = corner;

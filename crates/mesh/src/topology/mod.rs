@@ -18,6 +18,7 @@ mod interface;
 mod orbits;
 mod surface;
 
+pub(crate) use glue::corner_set;
 pub use interface::{Interface, exterior, interfaces};
 pub use surface::{Surface, boundary, euler_characteristic, surface};
 

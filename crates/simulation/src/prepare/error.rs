@@ -51,6 +51,11 @@ impl Findings {
         note(&mut self.warnings, at, message.into());
     }
 
+    /// Whether anything keeps the scene from being prepared.
+    pub(super) fn any_problem(&self) -> bool {
+        !self.problems.is_empty()
+    }
+
     /// The warnings as `scene.toml:12:9: warning: message`, or all problems.
     pub(super) fn outcome(mut self, scene_file: &str) -> Result<Vec<String>, PrepareError> {
         if self.problems.is_empty() {

@@ -8,7 +8,7 @@ use super::Load;
 use super::error::Findings;
 use super::regions::{Needs, Place, described, select};
 use souple_elements::Element;
-use souple_mesh::topology::{Topology, exterior};
+use souple_mesh::topology::Topology;
 use souple_scene::keyframes::Keyframe;
 use souple_scene::load::ForceAmount;
 use souple_symbols::{Expr, Graph, Time};
@@ -70,8 +70,8 @@ impl<'s> Skin<'s> {
     fn new(place: Place<'s>, topology: &Topology) -> Skin<'s> {
         let mut faces = Vec::new();
         let mut tables: Vec<FaceTable> = Vec::new();
-        // Faces between sections that do not match are inside the body.
-        for face in exterior(topology) {
+        // Faces that do not match those that they lie on are inside the body.
+        for face in place.body.conformity.skin(topology) {
             let element = topology.run(face.element()).element;
             // Ends of an edge are points, without area.
             let Some(side) = element.faces.get(face.face()) else { continue };

@@ -6,20 +6,23 @@
 //! ```
 
 use super::check::check;
+use super::constraints;
 use super::error::Findings;
 use souple_mesh::bar::{self, BarError, BarSpec, MismatchKind, Section, Split};
+use souple_mesh::constraint::Conformity;
 use souple_mesh::formats::{self, ReadOptions};
 use souple_mesh::topology::{Interface, Topology, interfaces};
 use souple_mesh::{Mesh, bar::Axis};
 use souple_scene::body::Body;
+use souple_scene::conforming::Conforming;
 use souple_scene::mesh::{Bar, Mesh as MeshSource, MeshFile, Transition};
 use souple_scene::{Location, choice};
 
 /// Gives the bytes of a file that the scene names, or says why not.
 pub(super) type Read<'a> = &'a mut dyn FnMut(&str) -> Result<Vec<u8>, String>;
 
-/// The mesh of a body and what was done to get it; `None` after a problem was noted.
-pub(super) fn mesh_of(body: &Body, read: Read<'_>, findings: &mut Findings) -> Option<(Mesh, String)> {
+/// The mesh of a body, what makes it conform, and what was done to get it; `None` after a problem was noted.
+pub(super) fn mesh_of(body: &Body, read: Read<'_>, findings: &mut Findings) -> Option<(Mesh, Conformity, String)> {
     let name = &body.name.value;
     let at = place(body);
     let (mut mesh, mut report) = match &body.mesh.value {
@@ -27,10 +30,18 @@ pub(super) fn mesh_of(body: &Body, read: Read<'_>, findings: &mut Findings) -> O
         MeshSource::File(file) => from_file(file, name, read, findings)?,
     };
     check(&mut mesh, &mut report, body, at, findings)?;
+    let topology = match Topology::new(&mesh) {
+        Ok(topology) => topology,
+        Err(error) => {
+            findings.problem(at, format!("mesh of body \"{name}\": {error}"));
+            return None;
+        }
+    };
     if matches!(body.mesh.value, MeshSource::File(_)) {
-        warn_of_interfaces(&mesh, name, at, findings)?;
+        warn_of_interfaces(&topology, body, at, findings);
     }
-    Some((mesh, report))
+    let conformity = constraints::of_body(&mesh, &topology, body, at, &mut report, findings)?;
+    Some((mesh, conformity, report))
 }
 
 /// Where the scene says what the mesh is.
@@ -51,7 +62,9 @@ fn generated(source: &Bar, body: &Body, findings: &mut Findings) -> Option<(Mesh
             return None;
         }
     };
-    for mismatch in &report.mismatches {
+    // Constraints make different interpolations conform.
+    let tied = |kind: MismatchKind| kind == MismatchKind::DifferentInterpolation && body.conforming == Conforming::Auto;
+    for mismatch in report.mismatches.iter().filter(|m| !tied(m.kind)) {
         let [from, to] = mismatch.elements;
         let how = match mismatch.kind {
             MismatchKind::QuadrangleAgainstTriangles => "a quadrangle meets two triangles",
@@ -59,7 +72,9 @@ fn generated(source: &Bar, body: &Body, findings: &mut Findings) -> Option<(Mesh
             MismatchKind::DifferentInterpolation => "the two sides interpolate differently",
         };
         let cure = match mismatch.kind {
-            MismatchKind::DifferentInterpolation => "give both sections elements of the same degree",
+            MismatchKind::DifferentInterpolation => {
+                "give both sections elements of the same degree, or drop `conforming = \"off\"`"
+            }
             _ => "write `transition = \"pyramids\"` in [body.mesh] to put a matching layer between them",
         };
         let message = format!(
@@ -162,40 +177,38 @@ fn from_file(file: &MeshFile, body: &str, read: Read<'_>, findings: &mut Finding
 }
 
 /// Warns of faces in a file's mesh that lie on each other without being the same.
-fn warn_of_interfaces(mesh: &Mesh, body: &str, at: &Location, findings: &mut Findings) -> Option<()> {
-    let topology = match Topology::new(mesh) {
-        Ok(topology) => topology,
-        Err(error) => {
-            findings.problem(at, format!("mesh of body \"{body}\": {error}"));
-            return None;
-        }
-    };
+fn warn_of_interfaces(topology: &Topology, body: &Body, at: &Location, findings: &mut Findings) {
+    let name = &*body.name;
     let (mut quadrangles, mut crossed, mut degrees) = (0, 0, 0);
-    for interface in interfaces(&topology) {
+    for interface in interfaces(topology) {
         match interface {
             Interface::QuadrangleAgainstTriangles { .. } => quadrangles += 1,
             Interface::CrossedDiagonals { .. } => crossed += 1,
-            Interface::DifferentInterpolation { .. } => degrees += 1,
+            // Constraints make these conform.
+            Interface::DifferentInterpolation { .. } => degrees += u32::from(body.conforming == Conforming::Off),
         }
     }
     let cases = [
         (quadrangles, "a quadrangle meets triangles", "put pyramids between them in the mesher"),
         (crossed, "two triangles meet two others across the other diagonal", "let both sides share one diagonal"),
-        (degrees, "the two sides interpolate differently", "use elements of one degree on both sides"),
+        (
+            degrees,
+            "the two sides interpolate differently",
+            "use elements of one degree on both sides, or drop `conforming = \"off\"`",
+        ),
     ];
     for (count, how, cure) in cases.into_iter().filter(|case| case.0 > 0) {
         let message = format!(
-            "body \"{body}\": on {count} inner faces {how}, so displacements are not continuous there; {cure} (generated \
+            "body \"{name}\": on {count} inner faces {how}, so displacements are not continuous there; {cure} (generated \
              bars: `transition = \"pyramids\"`)"
         );
         findings.warning(at, message);
     }
     if !topology.folded.is_empty() {
         let message = format!(
-            "body \"{body}\": {} pairs of elements lie on the same side of their common face and overlap; check the mesh",
+            "body \"{name}\": {} pairs of elements lie on the same side of their common face and overlap; check the mesh",
             topology.folded.len()
         );
         findings.warning(at, message);
     }
-    Some(())
 }

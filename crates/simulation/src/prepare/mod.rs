@@ -6,6 +6,7 @@
 //!   [body.mesh] ── meshes, check ──► meshes in metres, fit to compute with
 //!   [[body.material]] ── parameters, materials ──► blocks of like elements
 //!   [[body.fix]], [[body.move]], [[probe]] ── regions, conditions ──► nodes and elements
+//!   conforming, [[tie]] ── constraints ──► nodes that follow others
 //!   [[body.force]], [[body.traction]] ── loads ──► forces on nodes
 //! ```
 //!
@@ -15,6 +16,7 @@
 mod catalogue;
 mod check;
 mod conditions;
+mod constraints;
 mod error;
 pub mod judge;
 mod loads;
@@ -31,6 +33,7 @@ pub use error::{PrepareError, PrepareProblem};
 
 use error::Findings;
 use regions::Place;
+use souple_mesh::constraint::{Conformity, Constraint};
 use souple_mesh::{Block, ElementId, Mesh};
 use souple_operators::BlockSpec;
 use souple_scene::{Location, Scene};
@@ -52,6 +55,8 @@ pub struct Prepared {
     pub moved: Vec<MovedNodes>,
     /// Loads.
     pub loads: Vec<Load>,
+    /// Nodes that follow others, by global indices, ascending; no master follows anybody.
+    pub constraints: Vec<Constraint>,
     /// Initial velocities, [node][axis].
     pub velocities: Vec<[f64; 3]>,
     /// Nodes and elements of each probe, in scene order.
@@ -70,6 +75,8 @@ pub struct PreparedBody {
     /// Global number ([`BlockSpec::ids`]) of its first deformable element; they follow the order of the mesh's blocks
     /// of the highest dimension.
     pub first_element: u32,
+    /// What makes the mesh conform, by nodes of the mesh; nothing where the scene wants it left as it is.
+    pub conformity: Conformity,
     /// What reading or generating the mesh had to report, in words.
     pub report: String,
 }
@@ -135,11 +142,14 @@ pub fn prepare(
         conditions::constrain(place, index, dimension, &mut fixed, &mut moved, &mut findings);
         loads::load(place, &mut loads, &mut findings);
     }
+    let constraints = constraints::gather(scene, &places, &mut findings);
+    constraints::check_prescribed(&constraints, scene, &places, &fixed, &moved, &mut findings);
     let probes = scene.probes.iter().map(|probe| conditions::probe(probe, &places, &mut findings)).collect();
 
     let warnings = findings.outcome(scene_file)?;
     let bodies = bodies.into_iter().flatten().collect();
-    Ok((Prepared { dimension, bodies, nodes, blocks, fixed, moved, loads, velocities, probes }, warnings))
+    let prepared = Prepared { dimension, bodies, nodes, blocks, fixed, moved, loads, constraints, velocities, probes };
+    Ok((prepared, warnings))
 }
 
 /// The bodies with their meshes, `None` where there was a problem, and the dimension of their elements.
@@ -148,7 +158,7 @@ fn bodies(scene: &Scene, read: meshes::Read<'_>, findings: &mut Findings) -> (Ve
     let (mut first_node, mut first_element) = (0u32, 0u32);
     let mut first: Option<(usize, String, Location)> = None;
     for body in &scene.bodies {
-        let Some((mesh, report)) = meshes::mesh_of(body, read, findings) else {
+        let Some((mesh, conformity, report)) = meshes::mesh_of(body, read, findings) else {
             bodies.push(None);
             continue;
         };
@@ -172,7 +182,7 @@ fn bodies(scene: &Scene, read: meshes::Read<'_>, findings: &mut Findings) -> (Ve
             bodies.push(None);
             continue;
         };
-        bodies.push(Some(PreparedBody { name: name.clone(), mesh, first_node, first_element, report }));
+        bodies.push(Some(PreparedBody { name: name.clone(), mesh, first_node, first_element, conformity, report }));
         (first_node, first_element) = (next_node, next_element);
     }
     // Without any mesh there is a problem already, and nothing depends on the dimension.

@@ -277,18 +277,12 @@ time = 0.1
 [[body.pressure]]
 region = "x_max"
 pressure = 1e3
-[[tie]]
-body = "bar"
-region = "x_max"
-to_body = "bar"
-to_region = "x_min"
-within = 0.1
 "#
     );
-    let error = prepared_with(&text, &mut no_files).expect_err("three things are not supported");
+    let error = prepared_with(&text, &mut no_files).expect_err("two things are not supported");
     let lines: Vec<String> = error.to_string().lines().map(str::to_owned).collect();
-    assert_eq!(lines.len(), 3, "{error}");
-    let places = ["[[body.material.viscosity.prony]]", "[[body.pressure]]", "[[tie]]"];
+    assert_eq!(lines.len(), 2, "{error}");
+    let places = ["[[body.material.viscosity.prony]]", "[[body.pressure]]"];
     for (line, place) in lines.iter().zip(places) {
         assert_says(line, &text, place, &["not supported yet"]);
     }

@@ -19,8 +19,4 @@ pub(super) fn refuse(scene: &Scene, findings: &mut Findings) {
             findings.problem(&pressure.at, message);
         }
     }
-    for tie in &scene.ties {
-        let message = "ties are not supported yet; join the bodies in one mesh with common nodes";
-        findings.problem(&tie.at, message);
-    }
 }

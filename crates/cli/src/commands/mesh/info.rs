@@ -7,8 +7,9 @@ use anyhow::Context as _;
 use clap::Args;
 use serde_json::{Value, json};
 use souple_simulation::mesh::check::{self, MeshReport, UnitGuess};
+use souple_simulation::mesh::constraint::{Cause, Conformity, conformity};
 use souple_simulation::mesh::formats::ImportReport;
-use souple_simulation::mesh::topology::{Interface, Topology, exterior, interfaces};
+use souple_simulation::mesh::topology::{Interface, Topology, interfaces};
 use souple_simulation::mesh::{ElementId, Mesh};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -30,6 +31,7 @@ pub(super) struct Arguments {
 struct Faces {
     exterior: usize,
     interfaces: Vec<Interface>,
+    conformity: Conformity,
     non_manifold: usize,
 }
 
@@ -39,9 +41,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let context = || arguments.file.display().to_string();
     let report = check::report(mesh).with_context(context)?;
     let topology = Topology::new(mesh).with_context(context)?;
+    let conformity = conformity(mesh, &topology).with_context(context)?;
+    let mut interfaces = interfaces(&topology);
+    // Constraints make these conform.
+    interfaces.retain(|interface| !matches!(interface, Interface::DifferentInterpolation { .. }));
     let faces = Faces {
-        exterior: exterior(&topology).len(),
-        interfaces: interfaces(&topology),
+        exterior: conformity.skin(&topology).len(),
+        interfaces,
+        conformity,
         non_manifold: topology.non_manifold.len(),
     };
     if arguments.json {
@@ -92,6 +99,12 @@ fn answer(imported: &Imported, report: &MeshReport, faces: &Faces) -> Value {
         "unit": unit(report.unit),
         "boundary_faces": faces.exterior,
         "nonconforming_interfaces": faces.interfaces.len(),
+        "constraints": {
+            "hanging_nodes": faces.conformity.count(Cause::Hanging),
+            "nodes_between_interpolations": faces.conformity.count(Cause::Interpolation),
+            "sides": faces.conformity.sides,
+            "rough_faces": faces.conformity.rough,
+        },
         "non_manifold_faces": faces.non_manifold,
         "regions": regions,
         "import": imported.report.as_ref().map(import),
@@ -161,6 +174,12 @@ fn text(imported: &Imported, report: &MeshReport, faces: &Faces) -> String {
     if report.dimension > 0 {
         line(measure, format!("{} (coordinates look like {})", report.measure, unit(report.unit)));
         line("boundary", format!("{} faces", faces.exterior));
+    }
+    if !faces.conformity.constraints.is_empty() {
+        line("conforming", faces.conformity.to_string());
+    }
+    if faces.conformity.rough > 0 {
+        line("note", format!("{} faces that finer elements on them cannot follow quite", faces.conformity.rough));
     }
     if let Some(q) = report.quality {
         let worst = mesh.blocks[q.worst.block as usize].element.id;
