@@ -20,7 +20,7 @@ mod machine;
 pub use machine::{Figures, figures};
 
 use souple_kernels::plan::{Plan, plan};
-use souple_kernels::{About, Backend, CompileError, Input, Kernel, Scratch};
+use souple_kernels::{About, Backend, CompileError, Input, Kernel, Number, Scratch};
 use souple_program::{Program, verify};
 use std::sync::Arc;
 
@@ -120,6 +120,18 @@ impl Backend for Cpu {
             machine: self.set.target().map(machine::Machine::new),
         }))
     }
+
+    fn compile_singles(&self, program: &Program) -> Result<Arc<dyn Kernel<f32>>, CompileError> {
+        verify(program)?;
+        Ok(Arc::new(Compiled {
+            program: program.clone(),
+            plan: plan(program),
+            set: self.set,
+            // A group of singles is one register of AVX2, which every processor with AVX-512 has too.
+            #[cfg(target_arch = "x86_64")]
+            machine: self.set.target().map(|_| machine::Machine::new(machine::Target::Avx2Single)),
+        }))
+    }
 }
 
 struct Compiled {
@@ -131,12 +143,12 @@ struct Compiled {
     machine: Option<machine::Machine>,
 }
 
-impl Kernel for Compiled {
+impl<T: Number> Kernel<T> for Compiled {
     fn program(&self) -> &Program {
         &self.program
     }
 
-    fn run(&self, scratch: &mut Scratch, groups: usize, inputs: &[Input<'_>], outputs: &mut [&mut [f64]]) {
+    fn run(&self, scratch: &mut Scratch, groups: usize, inputs: &[Input<'_, T>], outputs: &mut [&mut [T]]) {
         #[cfg(target_arch = "x86_64")]
         if let Some(machine) = &self.machine
             && machine.run(&self.program, scratch, groups, inputs, outputs)
@@ -161,6 +173,7 @@ mod tests {
             if let Some(cpu) = Cpu::with(set) {
                 conformance::random_programs(&cpu, 7, 100);
                 conformance::long_programs(&cpu, 8);
+                conformance::random_programs_in_singles(&cpu, 9, 100);
             }
         }
     }

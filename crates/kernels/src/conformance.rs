@@ -3,7 +3,8 @@
 //!
 //! A backend crate instantiates it with one line: `souple_kernels::conformance!(MyBackend::open());`
 
-use crate::{Backend, Input, LANES, Scratch, oracle};
+use crate::oracle::Precision;
+use crate::{Backend, CompileError, Input, Kernel, LANES, Number, Scratch, oracle};
 use souple_program::{Buffer, Op, Program, Section, Statement, Value, parse, print};
 
 /// A small generator of pseudo-random numbers (xorshift64*), the same on every machine.
@@ -156,12 +157,37 @@ impl Kind {
 /// # Panics
 /// When a value differs by more than the oracle's bound; the message holds the program's text.
 pub fn compare(backend: &dyn Backend, program: &Program, random: &mut Random) {
+    let kernel = backend.compile(program).unwrap_or_else(|e| panic!("{e}\n{}", print(program)));
+    compare_kernel(&backend.about().name, &*kernel, Precision::DOUBLE, program, random);
+}
+
+/// The same in single precision; false when the backend has none.
+///
+/// # Panics
+/// When a value differs by more than the oracle's bound for singles, or when the program is refused for another reason.
+pub fn compare_singles(backend: &dyn Backend, program: &Program, random: &mut Random) -> bool {
+    let kernel = match backend.compile_singles(program) {
+        Ok(kernel) => kernel,
+        Err(CompileError::Unsupported { .. }) => return false,
+        Err(e) => panic!("{e}\n{}", print(program)),
+    };
+    let name = format!("{} in singles", backend.about().name);
+    compare_kernel(&name, &*kernel, Precision::SINGLE, program, random);
+    true
+}
+
+fn compare_kernel<T: Number>(
+    name: &str,
+    kernel: &dyn Kernel<T>,
+    precision: Precision,
+    program: &Program,
+    random: &mut Random,
+) {
     let groups = 1 + random.below(11);
     let items = groups * LANES;
-    let kernel = backend.compile(program).unwrap_or_else(|e| panic!("{e}\n{}", print(program)));
     let points = program.points;
     let kinds: Vec<Kind> = program.inputs.iter().map(|b| Kind::any(b.len, random)).collect();
-    let mut data: Vec<Vec<f64>> = Vec::new();
+    let mut data: Vec<Vec<T>> = Vec::new();
     let mut rows: Vec<Vec<u32>> = Vec::new();
     for (kind, b) in kinds.iter().zip(&program.inputs) {
         let total = b.total(points);
@@ -170,18 +196,19 @@ pub fn compare(backend: &dyn Backend, program: &Program, random: &mut Random) {
             Kind::Lanes => (items * total, 0),
             Kind::Gathered(width) => (items * width, items * (total / width)),
         };
-        data.push((0..count).map(|_| random.between(-2.0, 2.0)).collect());
+        data.push((0..count).map(|_| T::from_f64(random.between(-2.0, 2.0))).collect());
         rows.push((0..row_count).map(|_| random.below(items) as u32).collect());
     }
-    let inputs: Vec<Input<'_>> = (0..kinds.len())
+    let inputs: Vec<Input<'_, T>> = (0..kinds.len())
         .map(|k| match kinds[k] {
             Kind::Uniform => Input::Uniform(&data[k]),
             Kind::Lanes => Input::Lanes(&data[k]),
             Kind::Gathered(width) => Input::Gathered { values: &data[k], rows: &rows[k], width },
         })
         .collect();
-    let mut outputs: Vec<Vec<f64>> = program.outputs.iter().map(|b| vec![f64::NAN; items * b.total(points)]).collect();
-    let mut slices: Vec<&mut [f64]> = outputs.iter_mut().map(Vec::as_mut_slice).collect();
+    let nan = T::from_f64(f64::NAN);
+    let mut outputs: Vec<Vec<T>> = program.outputs.iter().map(|b| vec![nan; items * b.total(points)]).collect();
+    let mut slices: Vec<&mut [T]> = outputs.iter_mut().map(Vec::as_mut_slice).collect();
     kernel.run(&mut Scratch::default(), groups, &inputs, &mut slices);
     for item in 0..items {
         let (group, lane) = (item / LANES, item % LANES);
@@ -193,25 +220,25 @@ pub fn compare(backend: &dyn Backend, program: &Program, random: &mut Random) {
                 let n = b.total(points);
                 (0..n)
                     .map(|row| match kinds[k] {
-                        Kind::Uniform => data[k][row],
-                        Kind::Lanes => data[k][(group * n + row) * LANES + lane],
+                        Kind::Uniform => data[k][row].to_f64(),
+                        Kind::Lanes => data[k][(group * n + row) * LANES + lane].to_f64(),
                         Kind::Gathered(w) => {
-                            data[k][rows[k][(group * (n / w) + row / w) * LANES + lane] as usize * w + row % w]
+                            let index = rows[k][(group * (n / w) + row / w) * LANES + lane] as usize;
+                            data[k][index * w + row % w].to_f64()
                         }
                     })
                     .collect()
             })
             .collect();
-        let expected = oracle::run(program, &own);
+        let expected = oracle::run_in(program, &own, precision);
         for ((b, want), got) in program.outputs.iter().zip(&expected).zip(&outputs) {
             let n = b.total(points);
             for (row, w) in want.iter().enumerate() {
-                let g = got[(group * n + row) * LANES + lane];
+                let g = got[(group * n + row) * LANES + lane].to_f64();
                 let same = (g - w.value).abs() <= w.error || (!w.error.is_finite()) || !w.value.is_finite();
                 assert!(
                     same,
-                    "{}: item {item}, {}[{row}] is {g:e}, the oracle says {:e} ± {:e}\n{}",
-                    backend.about().name,
+                    "{name}: item {item}, {}[{row}] is {g:e}, the oracle says {:e} ± {:e}\n{}",
                     b.name,
                     w.value,
                     w.error,
@@ -228,6 +255,17 @@ pub fn random_programs(backend: &dyn Backend, seed: u64, count: usize) {
     for k in 0..count {
         let program = random_program(&mut random, 4 + (k * 7) % 120);
         compare(backend, &program, &mut random);
+    }
+}
+
+/// `count` random programs in single precision, where the backend has it.
+pub fn random_programs_in_singles(backend: &dyn Backend, seed: u64, count: usize) {
+    let mut random = Random::new(seed);
+    for k in 0..count {
+        let program = random_program(&mut random, 4 + (k * 7) % 120);
+        if !compare_singles(backend, &program, &mut random) {
+            return;
+        }
     }
 }
 
@@ -266,6 +304,12 @@ macro_rules! conformance {
         #[test]
         fn random_programs_agree_with_the_oracle() {
             $crate::conformance::random_programs(&$backend, 1, 300);
+        }
+
+        /// Random programs in single precision agree with the oracle, or the backend says that it has none.
+        #[test]
+        fn singles_agree_with_the_oracle() {
+            $crate::conformance::random_programs_in_singles(&$backend, 4, 300);
         }
 
         /// Programs with many live values agree with the oracle.

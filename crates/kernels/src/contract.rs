@@ -34,23 +34,23 @@ pub enum CompileError {
     },
 }
 
-/// Where a kernel reads one input buffer.
+/// Where a kernel reads one input buffer of doubles, or of singles.
 #[derive(Clone, Copy, Debug)]
-pub enum Input<'a> {
+pub enum Input<'a, T = f64> {
     /// In lane order: [group][place][lane], or [group][point][place][lane] for a per-point buffer.
-    Lanes(&'a [f64]),
+    Lanes(&'a [T]),
     /// From rows of a shared array: place `p` of a lane is `values[width · index + p mod width]` with `index` at
     /// [group][p / width][lane] of `rows`.
     Gathered {
         /// The shared array, [row][width].
-        values: &'a [f64],
+        values: &'a [T],
         /// Which rows, [group][row place][lane].
         rows: &'a [u32],
         /// Length of a row.
         width: usize,
     },
     /// The same values for every item.
-    Uniform(&'a [f64]),
+    Uniform(&'a [T]),
 }
 
 /// Memory that a kernel works in. Make one per thread, reuse it.
@@ -58,10 +58,12 @@ pub enum Input<'a> {
 pub struct Scratch {
     /// Vectors of lanes.
     pub slots: Vec<[f64; LANES]>,
+    /// Vectors of lanes of kernels in singles.
+    pub singles: Vec<[f32; LANES]>,
 }
 
-/// A program made executable.
-pub trait Kernel: Send + Sync {
+/// A program made executable, on doubles or on singles.
+pub trait Kernel<T = f64>: Send + Sync {
     /// The program that it runs.
     fn program(&self) -> &Program;
 
@@ -72,7 +74,7 @@ pub trait Kernel: Send + Sync {
     ///
     /// # Panics
     /// When a buffer is shorter than the groups need.
-    fn run(&self, scratch: &mut Scratch, groups: usize, inputs: &[Input<'_>], outputs: &mut [&mut [f64]]);
+    fn run(&self, scratch: &mut Scratch, groups: usize, inputs: &[Input<'_, T>], outputs: &mut [&mut [T]]);
 }
 
 /// Compiles programs for one kind of device.
@@ -85,4 +87,17 @@ pub trait Backend: Send + Sync {
     /// # Errors
     /// When the program is not valid or needs what the backend lacks.
     fn compile(&self, program: &Program) -> Result<Arc<dyn Kernel>, CompileError>;
+
+    /// Makes a program executable in single precision: inputs, outputs and all arithmetic are `f32`, constants are
+    /// rounded.
+    ///
+    /// # Errors
+    /// When the program is not valid or the backend has no singles, which is what it says unless it overrides this.
+    fn compile_singles(&self, program: &Program) -> Result<Arc<dyn Kernel<f32>>, CompileError> {
+        Err(CompileError::Unsupported {
+            backend: self.about().name.clone(),
+            program: program.name.clone(),
+            capability: "arithmetic in single precision".into(),
+        })
+    }
 }

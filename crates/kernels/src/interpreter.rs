@@ -2,6 +2,7 @@
 //! shared by many items and the slots stay in the nearest cache.
 
 use crate::contract::{About, Backend, CompileError, Input, Kernel, LANES, Scratch};
+use crate::number::Number;
 use crate::plan::{Plan, Step, plan};
 use souple_program::{Program, verify};
 use std::sync::Arc;
@@ -31,6 +32,11 @@ impl Backend for Interpreter {
         verify(program)?;
         Ok(Arc::new(Interpreted { program: program.clone(), plan: plan(program) }))
     }
+
+    fn compile_singles(&self, program: &Program) -> Result<Arc<dyn Kernel<f32>>, CompileError> {
+        verify(program)?;
+        Ok(Arc::new(Interpreted { program: program.clone(), plan: plan(program) }))
+    }
 }
 
 struct Interpreted {
@@ -38,13 +44,13 @@ struct Interpreted {
     plan: Plan,
 }
 
-impl Kernel for Interpreted {
+impl<T: Number> Kernel<T> for Interpreted {
     fn program(&self) -> &Program {
         &self.program
     }
 
-    fn run(&self, scratch: &mut Scratch, groups: usize, inputs: &[Input<'_>], outputs: &mut [&mut [f64]]) {
-        execute::<false>(&self.program, &self.plan, scratch, groups, inputs, outputs);
+    fn run(&self, scratch: &mut Scratch, groups: usize, inputs: &[Input<'_, T>], outputs: &mut [&mut [T]]) {
+        execute::<T, false>(&self.program, &self.plan, scratch, groups, inputs, outputs);
     }
 }
 
@@ -52,16 +58,17 @@ impl Kernel for Interpreted {
 ///
 /// Always inlined, so that a caller compiled for a wider instruction set gets its loops compiled for it too.
 #[inline(always)]
-pub fn execute<const FUSED: bool>(
+pub fn execute<T: Number, const FUSED: bool>(
     program: &Program,
     plan: &Plan,
     scratch: &mut Scratch,
     groups: usize,
-    inputs: &[Input<'_>],
-    outputs: &mut [&mut [f64]],
+    inputs: &[Input<'_, T>],
+    outputs: &mut [&mut [T]],
 ) {
-    scratch.slots.resize(plan.slot_count * BATCH, [0.0; LANES]);
-    let slots = &mut scratch.slots[..];
+    let slots = T::slots(scratch);
+    slots.resize(plan.slot_count * BATCH, [T::ZERO; LANES]);
+    let slots = &mut slots[..];
     let mut first = 0;
     while first < groups {
         let count = BATCH.min(groups - first);
@@ -69,7 +76,7 @@ pub fn execute<const FUSED: bool>(
             let passes = if *in_loop { program.points } else { 1 };
             for point in 0..passes {
                 for step in steps {
-                    run_step::<FUSED>(program, *step, slots, first, count, point, inputs, outputs);
+                    run_step::<T, FUSED>(program, *step, slots, first, count, point, inputs, outputs);
                 }
             }
         }
@@ -84,11 +91,11 @@ fn place(v: u32) -> usize {
 }
 
 #[inline(always)]
-fn one(slots: &mut [[f64; LANES]], to: u32, a: u32, f: impl Fn(f64) -> f64) {
+fn one<T: Number>(slots: &mut [[T; LANES]], to: u32, a: u32, f: impl Fn(T) -> T) {
     let (to, a) = (place(to), place(a));
     for g in 0..BATCH {
         let x = slots[a + g];
-        let mut r = [0.0; LANES];
+        let mut r = [T::ZERO; LANES];
         for l in 0..LANES {
             r[l] = f(x[l]);
         }
@@ -97,11 +104,11 @@ fn one(slots: &mut [[f64; LANES]], to: u32, a: u32, f: impl Fn(f64) -> f64) {
 }
 
 #[inline(always)]
-fn two(slots: &mut [[f64; LANES]], to: u32, a: u32, b: u32, f: impl Fn(f64, f64) -> f64) {
+fn two<T: Number>(slots: &mut [[T; LANES]], to: u32, a: u32, b: u32, f: impl Fn(T, T) -> T) {
     let (to, a, b) = (place(to), place(a), place(b));
     for g in 0..BATCH {
         let (x, y) = (slots[a + g], slots[b + g]);
-        let mut r = [0.0; LANES];
+        let mut r = [T::ZERO; LANES];
         for l in 0..LANES {
             r[l] = f(x[l], y[l]);
         }
@@ -110,11 +117,11 @@ fn two(slots: &mut [[f64; LANES]], to: u32, a: u32, b: u32, f: impl Fn(f64, f64)
 }
 
 #[inline(always)]
-fn three(slots: &mut [[f64; LANES]], to: u32, abc: [u32; 3], f: impl Fn(f64, f64, f64) -> f64) {
+fn three<T: Number>(slots: &mut [[T; LANES]], to: u32, abc: [u32; 3], f: impl Fn(T, T, T) -> T) {
     let (to, [a, b, c]) = (place(to), abc.map(place));
     for g in 0..BATCH {
         let (x, y, z) = (slots[a + g], slots[b + g], slots[c + g]);
-        let mut r = [0.0; LANES];
+        let mut r = [T::ZERO; LANES];
         for l in 0..LANES {
             r[l] = f(x[l], y[l], z[l]);
         }
@@ -123,20 +130,20 @@ fn three(slots: &mut [[f64; LANES]], to: u32, abc: [u32; 3], f: impl Fn(f64, f64
 }
 
 #[inline(always)]
-fn run_step<const FUSED: bool>(
+fn run_step<T: Number, const FUSED: bool>(
     program: &Program,
     step: Step,
-    slots: &mut [[f64; LANES]],
+    slots: &mut [[T; LANES]],
     first: usize,
     count: usize,
     point: usize,
-    inputs: &[Input<'_>],
-    outputs: &mut [&mut [f64]],
+    inputs: &[Input<'_, T>],
+    outputs: &mut [&mut [T]],
 ) {
     match step {
-        Step::Constant { to, value } => slots[place(to)..place(to) + BATCH].fill([value; LANES]),
+        Step::Constant { to, value } => slots[place(to)..place(to) + BATCH].fill([T::from_f64(value); LANES]),
         Step::Table { to, table } => {
-            slots[place(to)..place(to) + BATCH].fill([program.tables[table as usize][point]; LANES]);
+            slots[place(to)..place(to) + BATCH].fill([T::from_f64(program.tables[table as usize][point]); LANES]);
         }
         Step::Input { to, buffer, index } => {
             let b = &program.inputs[buffer as usize];
@@ -155,33 +162,33 @@ fn run_step<const FUSED: bool>(
                 outputs[buffer as usize][at..at + LANES].copy_from_slice(&slots[place(a) + g]);
             }
         }
-        Step::Add { to, a, b } => two(slots, to, a, b, |x, y| x + y),
-        Step::Sub { to, a, b } => two(slots, to, a, b, |x, y| x - y),
-        Step::Mul { to, a, b } => two(slots, to, a, b, |x, y| x * y),
-        Step::Neg { to, a } => one(slots, to, a, |x| -x),
+        Step::Add { to, a, b } => two(slots, to, a, b, T::add),
+        Step::Sub { to, a, b } => two(slots, to, a, b, T::sub),
+        Step::Mul { to, a, b } => two(slots, to, a, b, T::mul),
+        Step::Neg { to, a } => one(slots, to, a, T::neg),
         Step::MulAdd { to, a, b, c } => {
-            three(slots, to, [a, b, c], |x, y, z| if FUSED { x.mul_add(y, z) } else { x * y + z });
+            three(slots, to, [a, b, c], |x, y, z| if FUSED { x.mul_add(y, z) } else { x.mul(y).add(z) });
         }
         Step::MulSub { to, a, b, c } => {
-            three(slots, to, [a, b, c], |x, y, z| if FUSED { x.mul_add(y, -z) } else { x * y - z });
+            three(slots, to, [a, b, c], |x, y, z| if FUSED { x.mul_add(y, z.neg()) } else { x.mul(y).sub(z) });
         }
         Step::NegMulAdd { to, a, b, c } => {
-            three(slots, to, [a, b, c], |x, y, z| if FUSED { (-x).mul_add(y, z) } else { z - x * y });
+            three(slots, to, [a, b, c], |x, y, z| if FUSED { x.neg().mul_add(y, z) } else { z.sub(x.mul(y)) });
         }
-        Step::Recip { to, a } => one(slots, to, a, |x| 1.0 / x),
-        Step::Sqrt { to, a } => one(slots, to, a, f64::sqrt),
-        Step::Ln { to, a } => one(slots, to, a, f64::ln),
-        Step::Exp { to, a } => one(slots, to, a, f64::exp),
-        Step::Pow { to, a, b } => two(slots, to, a, b, f64::powf),
+        Step::Recip { to, a } => one(slots, to, a, T::recip),
+        Step::Sqrt { to, a } => one(slots, to, a, T::sqrt),
+        Step::Ln { to, a } => one(slots, to, a, T::ln),
+        Step::Exp { to, a } => one(slots, to, a, T::exp),
+        Step::Pow { to, a, b } => two(slots, to, a, b, T::powf),
     }
 }
 
 #[inline(always)]
-fn read(input: Input<'_>, group: usize, row: usize, rows: usize) -> [f64; LANES] {
+fn read<T: Number>(input: Input<'_, T>, group: usize, row: usize, rows: usize) -> [T; LANES] {
     match input {
         Input::Lanes(values) => {
             let at = (group * rows + row) * LANES;
-            let mut lanes = [0.0; LANES];
+            let mut lanes = [T::ZERO; LANES];
             lanes.copy_from_slice(&values[at..at + LANES]);
             lanes
         }
@@ -189,7 +196,7 @@ fn read(input: Input<'_>, group: usize, row: usize, rows: usize) -> [f64; LANES]
         Input::Gathered { values, rows: index, width } => {
             let (node, axis) = (row / width, row % width);
             let at = (group * (rows / width) + node) * LANES;
-            let mut lanes = [0.0; LANES];
+            let mut lanes = [T::ZERO; LANES];
             for (lane, &r) in lanes.iter_mut().zip(&index[at..at + LANES]) {
                 *lane = values[r as usize * width + axis];
             }

@@ -97,6 +97,9 @@ pub(crate) struct Allocation {
     pub(crate) moves: u64,
 }
 
+/// Pieces of work above which fewer ways are tried: compiling must stay quick.
+const LONG: usize = 4000;
+
 /// The cheapest allocation among orders and numbers of accumulators that keep registers.
 pub(crate) fn allocate(flow: &Flow, registers: Registers) -> Allocation {
     let last_part = last_parts(flow);
@@ -107,13 +110,18 @@ pub(crate) fn allocate(flow: &Flow, registers: Registers) -> Allocation {
     if keeps.is_empty() {
         keeps.push(0);
     }
+    let mut orderings = &Ordering::ALL[..];
+    if flow.parts.iter().map(|p| p.work.len()).sum::<usize>() > LONG {
+        keeps = vec![*keeps.last().expect("at least none is kept")];
+        orderings = &orderings[..2];
+    }
     let mut best: Option<Allocation> = None;
-    for ordering in Ordering::ALL {
+    for &ordering in orderings {
         let parts: Vec<Vec<Work>> = flow
             .parts
             .iter()
             .enumerate()
-            .map(|(k, part)| ordered(part, ordering, &|id| last_part[id as usize] > k as u32))
+            .map(|(k, part)| ordered(part, ordering, flow.homes.len(), &|id| last_part[id as usize] > k as u32))
             .collect();
         for &keep in &keeps {
             let found = Allocator::new(flow, registers, &last_part, keep).run(&parts);
@@ -140,11 +148,13 @@ fn accumulators(flow: &Flow, part: &Part) -> Vec<Id> {
         return Vec::new();
     }
     let mut found: Vec<(u32, Id)> = Vec::new();
+    let mut at = vec![usize::MAX; flow.homes.len()];
     for id in part.work.iter().flat_map(|w| w.makes()).filter(|id| flow.grows[*id as usize]) {
-        match found.iter_mut().find(|f| f.1 == id) {
-            Some(f) => f.0 += 1,
-            None => found.push((1, id)),
+        if at[id as usize] == usize::MAX {
+            at[id as usize] = found.len();
+            found.push((0, id));
         }
+        found[at[id as usize]].0 += 1;
     }
     found.sort_by_key(|f| (std::cmp::Reverse(f.0), f.1));
     found.into_iter().map(|f| f.1).collect()
@@ -279,6 +289,8 @@ impl<'a> Allocator<'a> {
         self.locked = 0;
         let all = accumulators(flow, &flow.parts[part]);
         let kept: Vec<Id> = all.iter().copied().take(self.keep).collect();
+        let mut is_fresh = vec![false; flow.homes.len()];
+        flow.parts[part].fresh.iter().for_each(|id| is_fresh[*id as usize] = true);
         for r in 0..self.holds.len() {
             let id = self.holds[r];
             if id == NONE || kept.contains(&id) {
@@ -291,7 +303,7 @@ impl<'a> Allocator<'a> {
             self.leave(id);
         }
         for &id in &all {
-            let fresh = flow.parts[part].fresh.contains(&id);
+            let fresh = is_fresh[id as usize];
             let keeps = kept.contains(&id);
             if self.register[id as usize] == NOWHERE && (keeps || fresh) {
                 let r = self

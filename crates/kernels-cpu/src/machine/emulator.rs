@@ -10,7 +10,7 @@ use super::kernel::{assemble, check, frame};
 use super::target::Target;
 use iced_x86::{Decoder, DecoderOptions, Instruction, Mnemonic, OpKind, Register};
 use souple_kernels::plan::plan;
-use souple_kernels::{About, Backend, CompileError, Input, Kernel, Scratch, execute};
+use souple_kernels::{About, Backend, CompileError, Input, Kernel, Number, Scratch, execute};
 use souple_program::{Program, verify};
 use std::collections::HashMap;
 use std::ops::Range;
@@ -37,6 +37,11 @@ impl Backend for Emulated {
         verify(program)?;
         Ok(Arc::new(Emulation { program: program.clone(), target: self.target }))
     }
+
+    fn compile_singles(&self, program: &Program) -> Result<Arc<dyn Kernel<f32>>, CompileError> {
+        verify(program)?;
+        Ok(Arc::new(Emulation { program: program.clone(), target: self.target }))
+    }
 }
 
 struct Emulation {
@@ -44,16 +49,17 @@ struct Emulation {
     target: Target,
 }
 
-impl Kernel for Emulation {
+impl<T: Number> Kernel<T> for Emulation {
     fn program(&self) -> &Program {
         &self.program
     }
 
-    fn run(&self, scratch: &mut Scratch, groups: usize, inputs: &[Input<'_>], outputs: &mut [&mut [f64]]) {
+    fn run(&self, scratch: &mut Scratch, groups: usize, inputs: &[Input<'_, T>], outputs: &mut [&mut [T]]) {
+        assert_eq!(T::SIZE, self.target.number() as usize, "numbers of the target");
         check(&self.program, groups, inputs, outputs);
         let arrivals: Vec<Arrival> = inputs.iter().map(Arrival::of).collect();
         let Some((flow, assembly)) = assemble(self.target, &self.program, &arrivals) else {
-            return execute::<true>(&self.program, &plan(&self.program), scratch, groups, inputs, outputs);
+            return execute::<T, true>(&self.program, &plan(&self.program), scratch, groups, inputs, outputs);
         };
         let mut pool = vec![[0u64; 8]; assembly.pool.len() / 64 + 1];
         for (word, bytes) in pool.as_flattened_mut().iter_mut().zip(assembly.pool.chunks(8)) {
@@ -71,7 +77,7 @@ impl Kernel for Emulation {
         for stream in &flow.streams {
             match stream.source {
                 Source::Output(b) => {
-                    let o: &mut [f64] = outputs[b as usize];
+                    let o: &mut [T] = outputs[b as usize];
                     memory.writable.push(of(o.as_mut_ptr().expose_provenance(), size_of_val(o)));
                 }
                 Source::Input(b) | Source::Rows(b) | Source::Shared(b) | Source::Points(b) => {

@@ -30,7 +30,7 @@ pub(crate) enum Arrival {
 
 impl Arrival {
     /// How this input arrives.
-    pub(crate) fn of(input: &Input<'_>) -> Arrival {
+    pub(crate) fn of<T>(input: &Input<'_, T>) -> Arrival {
         match input {
             Input::Lanes(_) => Arrival::Lanes,
             Input::Gathered { width, .. } => Arrival::Gathered(*width),

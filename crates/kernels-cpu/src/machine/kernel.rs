@@ -6,7 +6,7 @@ use super::flow::{Arrival, Flow, Function, Source, flow};
 use super::functions;
 use super::pages::Pages;
 use super::target::Target;
-use souple_kernels::{Input, LANES, Scratch};
+use souple_kernels::{Input, LANES, Number, Scratch};
 use souple_program::Program;
 use std::sync::{Arc, PoisonError, RwLock};
 
@@ -108,18 +108,22 @@ impl Machine {
     ///
     /// # Panics
     /// When a buffer is shorter than the groups need.
-    pub(crate) fn run(
+    pub(crate) fn run<T: Number>(
         &self,
         program: &Program,
         scratch: &mut Scratch,
         groups: usize,
-        inputs: &[Input<'_>],
-        outputs: &mut [&mut [f64]],
+        inputs: &[Input<'_, T>],
+        outputs: &mut [&mut [T]],
     ) -> bool {
         if groups == 0 {
             return true;
         }
         check(program, groups, inputs, outputs);
+        debug_assert_eq!(T::SIZE, self.target.number() as usize, "the kernel was made for these numbers");
+        if T::SIZE == 4 && inputs.iter().any(beyond_signed_indices) {
+            return false;
+        }
         let arrivals: Vec<Arrival> = inputs.iter().map(Arrival::of).collect();
         let Some(variant) = self.variant(program, &arrivals) else { return false };
         let pool = variant.pages.pool();
@@ -136,7 +140,7 @@ impl Machine {
 ///
 /// # Panics
 /// Otherwise.
-pub(crate) fn check(program: &Program, groups: usize, inputs: &[Input<'_>], outputs: &[&mut [f64]]) {
+pub(crate) fn check<T>(program: &Program, groups: usize, inputs: &[Input<'_, T>], outputs: &[&mut [T]]) {
     assert_eq!(inputs.len(), program.inputs.len(), "program {}: number of inputs", program.name);
     assert_eq!(outputs.len(), program.outputs.len(), "program {}: number of outputs", program.name);
     for (buffer, input) in program.inputs.iter().zip(inputs) {
@@ -159,6 +163,11 @@ pub(crate) fn check(program: &Program, groups: usize, inputs: &[Input<'_>], outp
     }
 }
 
+/// Whether a shared array is longer than the gather of singles can index.
+fn beyond_signed_indices<T>(input: &Input<'_, T>) -> bool {
+    matches!(input, Input::Gathered { values, .. } if i32::try_from(values.len()).is_err())
+}
+
 /// The highest row number.
 fn highest(rows: &[u32]) -> u32 {
     #[target_feature(enable = "avx2")]
@@ -170,15 +179,15 @@ fn highest(rows: &[u32]) -> u32 {
 }
 
 /// Fills the scratch block as the code expects it; its address.
-pub(crate) fn frame(
+pub(crate) fn frame<T: Number>(
     target: Target,
     flow: &Flow,
     layout: Layout,
     pool: u64,
     scratch: &mut Scratch,
     groups: usize,
-    inputs: &[Input<'_>],
-    outputs: &mut [&mut [f64]],
+    inputs: &[Input<'_, T>],
+    outputs: &mut [&mut [T]],
 ) -> *mut u64 {
     let line = size_of::<[f64; LANES]>();
     // One more, so that the frame can begin at a line of the cache.
@@ -212,11 +221,10 @@ pub(crate) fn frame(
         };
         word(Layout::STREAMS + 8 * k as u32, address as u64);
     }
-    let copies = target.constant() / target.number();
     for (k, &(buffer, place)) in flow.uniforms.iter().enumerate() {
         let Input::Uniform(values) = inputs[buffer] else { unreachable!("a uniform value comes from a uniform input") };
-        let at = (layout.uniforms + k as u32 * target.constant()) as usize / 8;
-        block[at..at + copies as usize].fill(values[place]);
+        let (at, words) = (layout.uniforms + k as u32 * target.constant(), target.constant() as usize / 8);
+        block[at as usize / 8..][..words].fill(f64::from_bits(values[place].word()));
     }
     block.as_mut_ptr().expose_provenance();
     block.as_mut_ptr().cast()

@@ -5,7 +5,6 @@
 //! All are deterministic.
 
 use super::flow::{Id, NONE, Part, What, Work};
-use std::collections::HashMap;
 
 /// A way to order work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,32 +31,32 @@ struct Waits {
     after: Vec<Vec<u32>>,
 }
 
-fn waits(work: &[Work]) -> Waits {
-    let mut maker: HashMap<Id, u32> = HashMap::new();
+fn waits(work: &[Work], values: usize) -> Waits {
+    let mut maker = vec![NONE; values];
     let mut w = Waits { before: vec![Vec::new(); work.len()], after: vec![Vec::new(); work.len()] };
     for (k, piece) in work.iter().enumerate() {
         for id in piece.reads() {
-            if let Some(&m) = maker.get(&id)
-                && !w.before[k].contains(&m)
-            {
+            let m = maker[id as usize];
+            if m != NONE && !w.before[k].contains(&m) {
                 w.before[k].push(m);
                 w.after[m as usize].push(k as u32);
             }
         }
         for id in piece.makes() {
-            maker.insert(id, k as u32);
+            maker[id as usize] = k as u32;
         }
     }
     w
 }
 
-/// The work of a part in another order; `outlives` says which values are read after the part.
-pub(crate) fn ordered(part: &Part, ordering: Ordering, outlives: &dyn Fn(Id) -> bool) -> Vec<Work> {
+/// The work of a part in another order; values are numbered below `values`, and `outlives` says which ones are read
+/// after the part.
+pub(crate) fn ordered(part: &Part, ordering: Ordering, values: usize, outlives: &dyn Fn(Id) -> bool) -> Vec<Work> {
     let work = &part.work;
     let order = match ordering {
         Ordering::Given => return work.clone(),
-        Ordering::Depth => depth(work, &waits(work)),
-        Ordering::Greedy => greedy(work, &waits(work), outlives),
+        Ordering::Depth => depth(work, &waits(work, values)),
+        Ordering::Greedy => greedy(work, &waits(work, values), values, outlives),
     };
     order.into_iter().map(|k| work[k as usize]).collect()
 }
@@ -97,15 +96,16 @@ fn depth(work: &[Work], w: &Waits) -> Vec<u32> {
 /// How many ready pieces are looked at for each choice; bounds the time on long parts.
 const LOOK: usize = 64;
 
-fn greedy(work: &[Work], w: &Waits, outlives: &dyn Fn(Id) -> bool) -> Vec<u32> {
-    let mut readers: HashMap<Id, u32> = HashMap::new();
+fn greedy(work: &[Work], w: &Waits, values: usize, outlives: &dyn Fn(Id) -> bool) -> Vec<u32> {
+    let mut readers = vec![0u32; values];
     for piece in work {
         for id in distinct(piece) {
-            *readers.entry(id).or_insert(0) += 1;
+            readers[id as usize] += 1;
         }
     }
     let mut missing: Vec<u32> = w.before.iter().map(|b| b.len() as u32).collect();
-    let made_here: HashMap<Id, ()> = work.iter().flat_map(|p| p.makes()).map(|id| (id, ())).collect();
+    let mut made_here = vec![false; values];
+    work.iter().flat_map(|p| p.makes()).for_each(|id| made_here[id as usize] = true);
     let mut ready: Vec<u32> = (0..work.len() as u32).rev().filter(|k| missing[*k as usize] == 0).collect();
     let mut order = Vec::with_capacity(work.len());
     while !ready.is_empty() {
@@ -113,7 +113,7 @@ fn greedy(work: &[Work], w: &Waits, outlives: &dyn Fn(Id) -> bool) -> Vec<u32> {
         let gain = |k: u32| -> i32 {
             let piece = &work[k as usize];
             let freed = distinct(piece)
-                .filter(|id| made_here.contains_key(id) && readers[id] == 1 && !outlives(*id))
+                .filter(|id| made_here[*id as usize] && readers[*id as usize] == 1 && !outlives(*id))
                 .count() as i32;
             let makes = piece.makes().filter(|id| !piece.args.contains(id)).count() as i32;
             let store = i32::from(matches!(piece.what, What::Store { .. }));
@@ -130,9 +130,7 @@ fn greedy(work: &[Work], w: &Waits, outlives: &dyn Fn(Id) -> bool) -> Vec<u32> {
         let k = ready.remove(best.1);
         order.push(k);
         for id in distinct(&work[k as usize]) {
-            if let Some(n) = readers.get_mut(&id) {
-                *n -= 1;
-            }
+            readers[id as usize] -= 1;
         }
         for &next in w.after[k as usize].iter().rev() {
             missing[next as usize] -= 1;

@@ -3,7 +3,7 @@
 use super::emulator::Emulated;
 use super::target::Target;
 use crate::{Cpu, InstructionSet};
-use souple_kernels::conformance::{self, Random, compare, random_program};
+use souple_kernels::conformance::{self, Random, compare, compare_singles, random_program};
 use souple_kernels::{Backend, Input, LANES, Scratch};
 
 /// Random programs on each set that this processor has, as many as asked for by `SOUPLE_FUZZ` (3000 otherwise).
@@ -18,6 +18,7 @@ fn random_programs_run_as_the_oracle_says() {
             for k in 0..count {
                 let program = random_program(&mut random, 1 + (k * 7) % 150);
                 compare(&cpu, &program, &mut random);
+                assert!(compare_singles(&cpu, &program, &mut random));
             }
         }
     }
@@ -31,6 +32,18 @@ fn emulated_code_passes_the_suite() {
         conformance::random_programs(&emulated, 5, 150);
         conformance::long_programs(&emulated, 6);
         conformance::text_round_trip(&emulated, 7);
+    }
+}
+
+/// So does emulated code for singles.
+#[test]
+fn emulated_code_for_singles_passes_the_suite() {
+    let emulated = Emulated::new(Target::Avx2Single);
+    conformance::random_programs_in_singles(&emulated, 9, 150);
+    let mut random = Random::new(23);
+    for length in [500, 1500] {
+        let program = random_program(&mut random, length);
+        assert!(compare_singles(&emulated, &program, &mut random));
     }
 }
 
