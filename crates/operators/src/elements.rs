@@ -91,6 +91,9 @@ pub struct AssemblyMap {
     slots: Vec<Vec<[u32; 2]>>,
 }
 
+/// Which program gives a block's matrix blocks, and of which family; `None` for a block without one.
+type KernelOf = dyn Fn(&Block) -> Option<(Arc<dyn Kernel>, Family)>;
+
 impl Elements {
     /// Derives, compiles and sets up all blocks.
     ///
@@ -319,7 +322,7 @@ impl Elements {
         u: &[f64],
         map: &AssemblyMap,
         matrix: &mut BlockCsr,
-        kernel_of: &dyn Fn(&Block) -> Option<(Arc<dyn Kernel>, Family)>,
+        kernel_of: &KernelOf,
     ) {
         matrix.clear();
         let size = self.dimension * self.dimension;
