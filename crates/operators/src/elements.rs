@@ -317,13 +317,7 @@ impl Elements {
     }
 
     /// Overwrites `matrix` by the sum of the blocks that each block's program of a family gives, if it has one.
-    pub(crate) fn assemble_with(
-        &mut self,
-        u: &[f64],
-        map: &AssemblyMap,
-        matrix: &mut BlockCsr,
-        kernel_of: &KernelOf,
-    ) {
+    pub(crate) fn assemble_with(&mut self, u: &[f64], map: &AssemblyMap, matrix: &mut BlockCsr, kernel_of: &KernelOf) {
         matrix.clear();
         let size = self.dimension * self.dimension;
         for (block, slots) in self.blocks.iter_mut().zip(&map.slots) {
