@@ -1,5 +1,7 @@
 //! The definition of an association as expressions, before any staging.
 
+use crate::plane_stress::{leaf, plane_stress};
+use crate::tangent_frame::tangent_frame;
 use souple_elements::{Element, Rule};
 use souple_laws::{Kinematics, Law};
 use souple_symbols::{Expr, Graph, Matrix, Number, Time};
@@ -21,7 +23,7 @@ pub enum Loops {
 pub struct Definition {
     /// The graph that all expressions belong to.
     pub graph: Graph,
-    /// Number of space dimensions: those of the element.
+    /// Number of space dimensions: those of the element, or more.
     pub dimension: usize,
     /// Number of nodes.
     pub node_count: usize,
@@ -31,6 +33,9 @@ pub struct Definition {
     pub parameters: Vec<Expr>,
     /// Density ρ in kg/m³; time Setup.
     pub density: Expr,
+    /// What an embedded element is multiplied by to fill space: thickness in m of a surface, cross-section in m² of a
+    /// line; time Setup. Elements that fill their space do not depend on it.
+    pub section: Expr,
     /// Displacements u in m, [node, axis]; time Step.
     pub displacement: Vec<Expr>,
     /// A direction v, [node, axis]; time Apply.
@@ -51,14 +56,14 @@ pub struct Definition {
     pub shape_mass: Vec<Expr>,
     /// Lumped masses in kg, [node], positive and summing to the element's mass.
     pub lumped_mass: Vec<Expr>,
-    /// A displacement gradient as independent symbols, 3 × 3 (zeros in the missing directions).
+    /// A displacement gradient as independent symbols, [space axis][element axis].
     pub displacement_gradient: Matrix,
     /// Energy density ψ in J/m³ as a function of these symbols.
     pub energy_density: Expr,
-    /// First Piola–Kirchhoff stress ∂ψ/∂H in Pa as a function of them, [row, column] of the present directions.
+    /// First Piola–Kirchhoff stress ∂ψ/∂H in Pa as a function of them, [space axis, element axis].
     pub stress: Vec<Expr>,
-    /// Displacement gradients H at the quadrature points, [row, column] of the present directions: one matrix that varies
-    /// over them, or one per point.
+    /// Displacement gradients H at the quadrature points, [space axis][element axis]: one matrix that varies over them, or
+    /// one per point.
     pub point_gradients: Vec<Matrix>,
     /// Weights times volume elements in m³ at the quadrature points, likewise.
     pub point_volumes: Vec<Expr>,
@@ -66,6 +71,27 @@ pub struct Definition {
     pub point_slopes: Vec<Vec<Vec<Expr>>>,
     /// Whether gradients sum to zero over the nodes, so that the first node's forces balance those of the others.
     pub rows_sum_to_zero: bool,
+    /// What a line or a surface in space has besides; `None` for elements that fill their space.
+    pub embedding: Option<Embedding>,
+}
+
+/// Tangents and strain of an element that does not fill its space.
+#[derive(Clone, Debug)]
+pub struct Embedding {
+    /// Unit tangents as independent symbols, [space axis][tangent]; time Setup.
+    pub tangents: Matrix,
+    /// The tangents at the quadrature points: one matrix that varies over them, or one per point.
+    pub point_tangents: Vec<Matrix>,
+    /// Green–Lagrange strain in the frame of the tangents, 3 × 3, as a function of the displacement gradient and the
+    /// tangents.
+    pub strain: Matrix,
+    /// Volume ratio likewise.
+    pub volume_ratio: Expr,
+}
+
+/// Expressions with symbols replaced; as they are when there is nothing to replace.
+fn put_in(g: &mut Graph, expressions: &[Expr], replaced: &[(Expr, Expr)]) -> Vec<Expr> {
+    if replaced.is_empty() { expressions.to_vec() } else { g.substitute(expressions, replaced) }
 }
 
 /// One quadrature point, or all of them at once when loops are rolled.
@@ -77,13 +103,20 @@ struct Point {
     weight: Expr,
 }
 
-/// Writes the definition of element × law × quadrature.
+/// Writes the definition of element × law × quadrature in a space of `dimension` axes.
+///
+/// In a space of more dimensions than its own, an element is a cable or a membrane: its gradients are along its tangents
+/// and the stress across them vanishes.
 ///
 /// # Panics
-/// When the rule is not on the element's family.
-pub fn define(element: &Element, law: &Law, rule: &Rule, loops: Loops) -> Definition {
+/// When the rule is not on the element's family, the element has more dimensions than space, or the law cannot be
+/// embedded ([`Law::embeddable`]) and would have to be.
+pub fn define(element: &Element, law: &Law, rule: &Rule, loops: Loops, dimension: usize) -> Definition {
     assert_eq!(element.family, rule.family, "the rule belongs to the element's family");
-    let (n, d) = (element.node_count(), element.dimension());
+    // Axes of space, and of the element: rows and columns of a displacement gradient.
+    let (n, d, e) = (element.node_count(), dimension, element.dimension());
+    assert!(e <= d && d <= 3, "an element of dimension {e} does not fit into {d}");
+    let embedded = e < d;
     let count = rule.points.len();
     let rolled = loops == Loops::Rolled && count > 1;
     let mut graph = Graph::with_points(if rolled { count } else { 1 });
@@ -95,21 +128,34 @@ pub fn define(element: &Element, law: &Law, rule: &Rule, loops: Loops) -> Defini
     let rest = leaves(g, "X", Time::Setup);
     let parameters: Vec<Expr> = law.parameters.iter().map(|p| g.symbol(p.name, Time::Setup)).collect();
     let density = g.symbol("rho", Time::Setup);
+    let section = g.symbol(if e == 1 { "A" } else { "h" }, Time::Setup);
     let displacement = leaves(g, "u", Time::Step);
     let direction = leaves(g, "v", Time::Apply);
 
     // The energy density as a function of the displacement gradient alone, and its derivatives by it.
     let zero = g.int(0);
-    let variables: Vec<Expr> = (0..d * d)
-        .map(|k| {
-            let name = format!("H_{}{}", names[k / d], names[k % d]);
-            if rolled { g.varying_symbol(name, Time::Step) } else { g.symbol(name, Time::Step) }
-        })
-        .collect();
-    let displacement_gradient = Matrix::from_fn(3, |i, j| if i < d && j < d { variables[i * d + j] } else { zero });
-    let named = law.parameters.iter().map(|p| p.name.to_string()).zip(parameters.iter().copied()).collect();
-    let energy_density = (law.energy)(&mut Kinematics::new(g, displacement_gradient.clone(), named));
-    let stress = g.gradient(energy_density, &variables);
+    let symbols = |g: &mut Graph, prefix: &str, time| Matrix {
+        entries: (0..d)
+            .map(|i| (0..e).map(|j| leaf(g, format!("{prefix}_{}{}", names[i], names[j]), time)).collect())
+            .collect(),
+    };
+    let displacement_gradient = symbols(g, "H", Time::Step);
+    let variables: Vec<Expr> = displacement_gradient.entries.iter().flatten().copied().collect();
+    let full = Matrix::from_fn(3, |i, j| if i < d && j < e { displacement_gradient.at(i, j) } else { zero });
+    let named: Vec<(String, Expr)> =
+        law.parameters.iter().map(|p| p.name.to_string()).zip(parameters.iter().copied()).collect();
+    let across = embedded.then(|| {
+        let tangents = symbols(g, "T", Time::Setup);
+        let found = plane_stress(g, law, &named, &displacement_gradient, &tangents);
+        (found, tangents)
+    });
+    let held_density = match &across {
+        Some((found, _)) => found.energy,
+        None => (law.energy)(&mut Kinematics::new(g, full.clone(), named)),
+    };
+    // By the envelope theorem the stress is the derivative with the strain across held; only then is it put in.
+    let held_stress = g.gradient(held_density, &variables);
+    let stress = put_in(g, &held_stress, across.as_ref().map(|(found, _)| (found.unknown, found.root)).as_slice());
     let one = g.int(1);
     let second_derivatives: Vec<Expr> = variables.iter().flat_map(|&v| g.directional(&stress, &[(v, one)])).collect();
 
@@ -123,26 +169,48 @@ pub fn define(element: &Element, law: &Law, rule: &Rule, loops: Loops) -> Defini
     let mut volume_ratio = Vec::new();
     let mut point_gradients = Vec::new();
     let mut point_slopes = Vec::new();
-    let identity = Matrix::identity(g, 3);
-    let ratio = identity.add(g, &displacement_gradient).determinant(g);
+    let ratio = match &across {
+        Some((found, _)) => found.ratio,
+        None => {
+            let identity = Matrix::identity(g, 3);
+            identity.add(g, &full).determinant(g)
+        }
+    };
+    let mut point_tangents = Vec::new();
+    // Symbols of the strain across at the points, with what they stand for.
+    let mut across_at_points: Vec<(Expr, Expr)> = Vec::new();
     for point in &points {
         // Position gradient ∂X_i/∂ξ_k.
         let jacobian = interpolate_gradient(g, &rest, &point.slopes, d, constant_sum);
-        let determinant = jacobian.determinant(g);
-        let inverse = jacobian.inverse(g);
-        // ∇N_a = (∂N_a/∂ξ) (∂ξ/∂X), [node][axis].
-        let mut gradients: Vec<Vec<Expr>> = point.slopes.iter().map(|s| inverse.transpose().apply(g, s)).collect();
+        let (measure, mut gradients) = if embedded {
+            let frame = tangent_frame(g, &jacobian, &point.slopes);
+            point_tangents.push(frame.tangents);
+            (g.mul(frame.measure, section), frame.slopes)
+        } else {
+            let determinant = jacobian.determinant(g);
+            let inverse = jacobian.inverse(g);
+            // ∇N_a = (∂N_a/∂ξ) (∂ξ/∂X), [node][axis].
+            (determinant, point.slopes.iter().map(|s| inverse.transpose().apply(g, s)).collect::<Vec<_>>())
+        };
         for (a, gradient) in gradients.iter_mut().enumerate() {
             for (j, component) in gradient.iter_mut().enumerate() {
                 *component = g.named(format!("G_{a}{}", names[j]), *component);
             }
         }
         let plane = interpolate_gradient(g, &displacement, &gradients, d, constant_sum);
-        let volume = g.mul(point.weight, determinant);
+        let volume = g.mul(point.weight, measure);
         let volume = g.named("dV", volume);
-        let replaced: Vec<(Expr, Expr)> =
+        let mut replaced: Vec<(Expr, Expr)> =
             variables.iter().copied().zip(plane.entries.iter().flatten().copied()).collect();
-        let here = g.substitute(&[energy_density, ratio], &replaced);
+        if let (Some((found, symbols)), Some(values)) = (&across, point_tangents.last()) {
+            let values: &Matrix = values;
+            replaced.extend(symbols.entries.iter().flatten().copied().zip(values.entries.iter().flatten().copied()));
+            let symbol = leaf(g, "n".into(), Time::Step);
+            let value = g.substitute(&[found.root], &replaced)[0];
+            across_at_points.push((symbol, value));
+            replaced.push((found.unknown, symbol));
+        }
+        let here = g.substitute(&[held_density, ratio], &replaced);
         volume_ratio.push(here[1]);
         energies.push(g.multiply_through(volume, here[0]));
         let mass: Vec<Expr> = point.shape.iter().map(|&s| g.product(&[volume, density, s])).collect();
@@ -164,6 +232,10 @@ pub fn define(element: &Element, law: &Law, rule: &Rule, loops: Loops) -> Defini
     let negative: Vec<Expr> = energies.iter().map(|&e| g.neg(e)).collect();
     let negative = total(g, &negative);
     let force = g.gradient(negative, &displacement);
+    // With the strain across held so far, all of this is put in place of its symbol.
+    let energy = put_in(g, &[energy], &across_at_points)[0];
+    let force = put_in(g, &force, &across_at_points);
+    let volume_ratio = put_in(g, &volume_ratio, &across_at_points);
     let seeds: Vec<(Expr, Expr)> = displacement.iter().copied().zip(direction.iter().copied()).collect();
     let tangent_apply = g.directional(&force, &seeds);
     let transpose = |g: &mut Graph, per_point: &[Vec<Expr>]| -> Vec<Expr> {
@@ -181,12 +253,22 @@ pub fn define(element: &Element, law: &Law, rule: &Rule, loops: Loops) -> Defini
     let deformed: Vec<Expr> = volumes.iter().zip(&volume_ratio).map(|(&v, &j)| g.mul(v, j)).collect();
     let deformed_volume = total(g, &deformed);
     let lumped_mass = lump(g, element, rule, &shape_mass, &square_mass);
+    let mut energy_density = held_density;
+    let embedding = across.map(|(found, tangents)| {
+        let mut values = vec![found.energy, found.ratio];
+        values.extend(found.strain.entries.iter().flatten());
+        let values = put_in(g, &values, &[(found.unknown, found.root)]);
+        energy_density = values[0];
+        let strain = Matrix::from_fn(3, |i, j| values[2 + 3 * i + j]);
+        Embedding { tangents, point_tangents, strain, volume_ratio: values[1] }
+    });
     Definition {
         dimension: d,
         node_count: n,
         rest,
         parameters,
         density,
+        section,
         displacement,
         direction,
         energy,
@@ -204,6 +286,7 @@ pub fn define(element: &Element, law: &Law, rule: &Rule, loops: Loops) -> Defini
         point_volumes: volumes,
         point_slopes,
         rows_sum_to_zero: constant_sum,
+        embedding,
         graph,
     }
 }
@@ -256,10 +339,10 @@ fn slopes_sum_to_zero(g: &Graph, points: &[Point]) -> bool {
     })
 }
 
-/// `M_ij = Σ_a x_a,i s_a,j` for nodal vectors x and slopes s, d × d.
+/// `M_ij = Σ_a x_a,i s_a,j` for nodal vectors x with d axes and slopes s, [row of d][column as the slopes have].
 fn interpolate_gradient(g: &mut Graph, x: &[Expr], slopes: &[Vec<Expr>], d: usize, differences: bool) -> Matrix {
     let first = usize::from(differences);
-    Matrix::from_fn(d, |i, j| {
+    let mut entry = |i: usize, j: usize| {
         let terms: Vec<Expr> = (first..slopes.len())
             .map(|a| {
                 let value = if differences { g.sub(x[a * d + i], x[i]) } else { x[a * d + i] };
@@ -267,11 +350,13 @@ fn interpolate_gradient(g: &mut Graph, x: &[Expr], slopes: &[Vec<Expr>], d: usiz
             })
             .collect();
         g.sum(&terms)
-    })
+    };
+    Matrix { entries: (0..d).map(|i| (0..slopes[0].len()).map(|j| entry(i, j)).collect()).collect() }
 }
 
 /// The contributions of one point to the blocks (a, b), a ≤ b, of the nodes after the first (of all nodes when slopes
-/// do not sum to zero): `K_ab,im = Σ_jl ∇N_a,j ∂²W/∂H_ij∂H_ml ∇N_b,l`.
+/// do not sum to zero): `K_ab,im = Σ_jl ∇N_a,j ∂²W/∂H_ij∂H_ml ∇N_b,l`, with d rows i, m and as many j, l as gradients
+/// have components.
 pub(crate) fn block_terms(
     g: &mut Graph,
     second_derivatives: &[Expr],
@@ -279,16 +364,17 @@ pub(crate) fn block_terms(
     gradients: &[Vec<Expr>],
     differences: bool,
 ) -> Vec<Expr> {
-    let second = |p: usize, q: usize| second_derivatives[p.max(q) * d * d + p.min(q)];
+    let e = gradients[0].len();
+    let second = |p: usize, q: usize| second_derivatives[p.max(q) * d * e + p.min(q)];
     let first = usize::from(differences);
     let mut terms = Vec::new();
     for a in first..gradients.len() {
         // Σ_j ∇N_a,j ∂²W/∂H_ij∂H_ml, [i][m][l]: shared by all b.
-        let left: Vec<Expr> = (0..d * d * d)
+        let left: Vec<Expr> = (0..d * d * e)
             .map(|k| {
-                let (i, m, l) = (k / (d * d), (k / d) % d, k % d);
+                let (i, m, l) = (k / (d * e), (k / e) % d, k % e);
                 let products: Vec<Expr> =
-                    (0..d).map(|j| g.mul(gradients[a][j], second(i * d + j, m * d + l))).collect();
+                    (0..e).map(|j| g.mul(gradients[a][j], second(i * e + j, m * e + l))).collect();
                 g.sum(&products)
             })
             .collect();
@@ -298,7 +384,7 @@ pub(crate) fn block_terms(
                     // A block on the diagonal is symmetric.
                     let (i, m) = if a == b { (i.min(m), i.max(m)) } else { (i, m) };
                     let products: Vec<Expr> =
-                        (0..d).map(|l| g.mul(left[(i * d + m) * d + l], gradients[b][l])).collect();
+                        (0..e).map(|l| g.mul(left[(i * d + m) * e + l], gradients[b][l])).collect();
                     terms.push(g.sum(&products));
                 }
             }

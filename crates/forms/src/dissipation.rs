@@ -30,10 +30,14 @@ pub struct Dissipation {
 }
 
 /// Writes the viscous part that belongs to a definition.
+///
+/// # Panics
+/// When the element does not fill its space: what is viscous across it is not said.
 pub fn dissipation(definition: &Definition) -> Dissipation {
     let mut graph = definition.graph.clone();
     let g = &mut graph;
     let d = definition.dimension;
+    assert!(definition.embedding.is_none(), "viscosity is for elements that fill their space");
     let rolled = g.points() > 1;
     let viscosity = ["eta", "zeta"].map(|name| g.symbol(name, Time::Setup));
     let names = ["x", "y", "z"];
@@ -48,7 +52,8 @@ pub fn dissipation(definition: &Definition) -> Dissipation {
         .collect();
     let rate_gradient = Matrix::from_fn(3, |i, j| if i < d && j < d { rates[i * d + j] } else { zero });
     let identity = Matrix::identity(g, 3);
-    let position_gradient = identity.add(g, gradient);
+    let full = Matrix::from_fn(3, |i, j| if i < d && j < d { gradient.at(i, j) } else { zero });
+    let position_gradient = identity.add(g, &full);
     let product = position_gradient.transpose().matmul(g, &rate_gradient);
     let strain_rate = product.add(g, &product.transpose()).scale(g, Number::rational(1, 2));
     let density = density(g, &strain_rate, viscosity);

@@ -20,8 +20,10 @@ mod averages;
 mod definition;
 mod dissipation;
 mod moduli;
+mod plane_stress;
+mod tangent_frame;
 
 pub use averages::{Averages, SYMMETRIC, averages};
-pub use definition::{Definition, Loops, define};
+pub use definition::{Definition, Embedding, Loops, define};
 pub use dissipation::{Dissipation, dissipation};
 pub use moduli::{Moduli, moduli};

@@ -20,7 +20,7 @@ use souple_symbols::{Expr, Graph, Time};
 pub struct Moduli {
     /// The graph of the definition, and these expressions; its leaves are those of the definition, and:
     pub graph: Graph,
-    /// Moduli in Pa as symbols, the rows of the lower triangle one after the other (d²(d² + 1)/2 values, varying over the
+    /// Moduli in Pa as symbols, the rows of the lower triangle one after the other (s(s + 1)/2 values for the s entries of H, varying over the
     /// points); components are [row, column] of H. Time Apply.
     pub given: Vec<Expr>,
     /// The law's own moduli, in the same order.
@@ -45,16 +45,22 @@ pub fn moduli(definition: &Definition) -> Moduli {
     else {
         panic!("moduli are an array over the points of a rolled loop");
     };
-    let size = d * d;
+    // Columns of H: tangents of the element where it does not fill its space.
+    let e = slopes[0].len();
+    let size = d * e;
     let gradient = &definition.displacement_gradient;
-    let variables: Vec<Expr> = (0..size).map(|k| gradient.at(k / d, k % d)).collect();
+    let variables: Vec<Expr> = (0..size).map(|k| gradient.at(k / e, k % e)).collect();
     let here: Vec<Expr> = plane.entries.iter().flatten().copied().collect();
     let lower: Vec<(usize, usize)> = (0..size).flat_map(|p| (0..=p).map(move |q| (p, q))).collect();
 
     let one = g.int(1);
     let second: Vec<Vec<Expr>> = variables.iter().map(|&v| g.directional(&definition.stress, &[(v, one)])).collect();
     let own: Vec<Expr> = lower.iter().map(|&(p, q)| second[p][q]).collect();
-    let replaced: Vec<(Expr, Expr)> = variables.iter().copied().zip(here.iter().copied()).collect();
+    let mut replaced: Vec<(Expr, Expr)> = variables.iter().copied().zip(here.iter().copied()).collect();
+    if let Some(embedding) = &definition.embedding {
+        let tangents = embedding.point_tangents[0].entries.iter().flatten().copied();
+        replaced.extend(embedding.tangents.entries.iter().flatten().copied().zip(tangents));
+    }
     let own = g.substitute(&own, &replaced);
 
     let given: Vec<Expr> = lower
@@ -84,7 +90,7 @@ pub fn moduli(definition: &Definition) -> Moduli {
     let mut rows: Vec<Vec<Expr>> = vec![Vec::new(); n];
     for a in first..n {
         for i in 0..d {
-            let terms: Vec<Expr> = (0..d).map(|j| g.mul(weighted[i * d + j], slopes[a][j])).collect();
+            let terms: Vec<Expr> = (0..e).map(|j| g.mul(weighted[i * e + j], slopes[a][j])).collect();
             let sum = g.sum(&terms);
             let sum = total(g, sum);
             rows[a].push(g.neg(sum));

@@ -29,7 +29,7 @@ fn parameters(law: &Law) -> Vec<f64> {
 
 /// Energy density and first Piola–Kirchhoff stress (row by row) at a displacement gradient, row by row.
 fn density_and_stress(law: &Law, parameters: &[f64], h: [f64; 9]) -> (f64, Vec<f64>) {
-    let d = define(solid(), law, solid().default_rule(), Loops::Rolled);
+    let d = define(solid(), law, solid().default_rule(), Loops::Rolled, 3);
     let mut symbols: Vec<(Expr, f64)> = d.parameters.iter().copied().zip(parameters.iter().copied()).collect();
     symbols.extend(d.displacement_gradient.entries.iter().flatten().copied().zip(h));
     let roots: Vec<Expr> = std::iter::once(d.energy_density).chain(d.stress.iter().copied()).collect();
@@ -165,7 +165,7 @@ fn rolled_and_unrolled_definitions_agree() {
             continue;
         }
         for law in souple_laws::all() {
-            let values = |loops| evaluate(&define(element, law, rule, loops), element, law);
+            let values = |loops| evaluate(&define(element, law, rule, loops, element.dimension()), element, law);
             for ((name, rolled), (_, unrolled)) in values(Loops::Rolled).into_iter().zip(values(Loops::Unrolled)) {
                 let scale = rolled.iter().fold(1e-300_f64, |m, v| m.max(v.abs()));
                 assert_eq!(rolled.len(), unrolled.len(), "{} {} {name}", element.id, law.id);
@@ -183,7 +183,7 @@ fn values_have_the_time_of_their_leaves() {
     use souple_symbols::Time;
     for element in souple_elements::all().iter().filter(|e| e.degree == 1) {
         for law in souple_laws::all() {
-            let d = define(element, law, element.default_rule(), Loops::Rolled);
+            let d = define(element, law, element.default_rule(), Loops::Rolled, element.dimension());
             let latest = |roots: &[Expr]| roots.iter().map(|&e| d.graph.time(e)).max().unwrap();
             assert!(latest(&d.shape_mass) <= Time::Setup && latest(&d.lumped_mass) <= Time::Setup, "{}", element.id);
             assert_eq!(latest(&d.force), Time::Step, "{} {}", element.id, law.id);

@@ -2,6 +2,9 @@
 //!
 //! The displacement gradient is always 3 × 3. In lower dimensions the missing entries are zero, so that a plane
 //! problem is one of plane strain and nothing in a law depends on the dimension.
+//!
+//! On a surface or a line in space there is no displacement gradient, only the strain in a frame of tangents and the
+//! stretch across it ([`TangentStrain`]). A law cannot tell the difference as long as it does not ask for F.
 
 use souple_symbols::{Expr, Graph, Matrix, Number};
 
@@ -9,9 +12,32 @@ use souple_symbols::{Expr, Graph, Matrix, Number};
 pub struct Kinematics<'g> {
     /// The graph in which everything is built.
     pub graph: &'g mut Graph,
-    /// Displacement gradient ∂u_i/∂X_j, 3 × 3.
-    pub displacement_gradient: Matrix,
+    deformation: Deformation,
     parameters: Vec<(String, Expr)>,
+}
+
+/// The deformation of a surface or a line in space, in an orthonormal frame at rest whose first axes are tangent to it.
+#[expect(non_snake_case, reason = "docs/notation.md: E and J keep their usual names")]
+#[derive(Clone, Debug)]
+pub struct TangentStrain {
+    /// Green–Lagrange strain, 3 × 3; nothing but the diagonal across the tangents.
+    pub E: Matrix,
+    /// Small strain likewise.
+    pub epsilon: Matrix,
+    /// Volume ratio, the stretches across the tangents included.
+    pub J: Expr,
+    /// The tangents in space, unit vectors, [tangent][axis]; one or two.
+    pub tangents: Vec<[Expr; 3]>,
+}
+
+enum Deformation {
+    /// Displacement gradient ∂u_i/∂X_j, 3 × 3.
+    Gradient(Matrix),
+    Tangent {
+        strain: TangentStrain,
+        /// Whether somebody asked for what is not there.
+        gradient_missed: bool,
+    },
 }
 
 #[expect(non_snake_case, reason = "docs/notation.md: F, C, E, J and the invariants keep their usual names")]
@@ -19,7 +45,21 @@ impl<'g> Kinematics<'g> {
     /// Measures of `displacement_gradient` (3 × 3) with named parameters.
     pub fn new(graph: &'g mut Graph, displacement_gradient: Matrix, parameters: Vec<(String, Expr)>) -> Kinematics<'g> {
         assert_eq!(displacement_gradient.dimension(), 3, "plane problems pass zeros");
-        Kinematics { graph, displacement_gradient, parameters }
+        Kinematics { graph, deformation: Deformation::Gradient(displacement_gradient), parameters }
+    }
+
+    /// Measures of a surface or a line in space, with named parameters.
+    pub fn in_tangent_frame(
+        graph: &'g mut Graph,
+        strain: TangentStrain,
+        parameters: Vec<(String, Expr)>,
+    ) -> Kinematics<'g> {
+        Kinematics { graph, deformation: Deformation::Tangent { strain, gradient_missed: false }, parameters }
+    }
+
+    /// Whether F was asked for in a tangent frame, which does not know it: what was built since means nothing.
+    pub fn gradient_missed(&self) -> bool {
+        matches!(self.deformation, Deformation::Tangent { gradient_missed: true, .. })
     }
 
     /// A parameter by name.
@@ -51,19 +91,35 @@ impl<'g> Kinematics<'g> {
     }
 
     /// Deformation gradient F = I + ∇u.
+    ///
+    /// In a tangent frame it is not known: see [`Kinematics::gradient_missed`].
     pub fn F(&mut self) -> Matrix {
         let identity = Matrix::identity(self.graph, 3);
-        identity.add(self.graph, &self.displacement_gradient.clone())
+        match &mut self.deformation {
+            Deformation::Gradient(gradient) => identity.add(self.graph, gradient),
+            Deformation::Tangent { gradient_missed, .. } => {
+                *gradient_missed = true;
+                identity
+            }
+        }
     }
 
     /// Right Cauchy–Green tensor C = FᵀF.
     pub fn C(&mut self) -> Matrix {
+        if let Deformation::Tangent { strain, .. } = &self.deformation {
+            let doubled = strain.E.scale(self.graph, Number::Rational(2, 1));
+            let identity = Matrix::identity(self.graph, 3);
+            return identity.add(self.graph, &doubled);
+        }
         let f = self.F();
         f.transpose().matmul(self.graph, &f)
     }
 
     /// Green–Lagrange strain E = (C − I)/2.
     pub fn E(&mut self) -> Matrix {
+        if let Deformation::Tangent { strain, .. } = &self.deformation {
+            return strain.E.clone();
+        }
         let identity = Matrix::identity(self.graph, 3);
         let difference = self.C().sub(self.graph, &identity);
         difference.scale(self.graph, Number::rational(1, 2))
@@ -71,13 +127,19 @@ impl<'g> Kinematics<'g> {
 
     /// Small strain ε = (∇u + ∇uᵀ)/2.
     pub fn epsilon(&mut self) -> Matrix {
-        let h = self.displacement_gradient.clone();
+        let h = match &self.deformation {
+            Deformation::Gradient(gradient) => gradient,
+            Deformation::Tangent { strain, .. } => return strain.epsilon.clone(),
+        };
         let doubled = h.add(self.graph, &h.transpose());
         doubled.scale(self.graph, Number::rational(1, 2))
     }
 
     /// Volume ratio J = det F.
     pub fn J(&mut self) -> Expr {
+        if let Deformation::Tangent { strain, .. } = &self.deformation {
+            return strain.J;
+        }
         let f = self.F();
         f.determinant(self.graph)
     }
@@ -140,9 +202,23 @@ impl<'g> Kinematics<'g> {
         self.graph.scaled_powers(Number::rational(1, 2), &[(bulk, 1), (change, 2)])
     }
 
-    /// The direction given by the parameters `name_x`, `name_y`, `name_z`, made a unit vector.
-    pub fn unit_vector(&mut self, name: &str) -> [Expr; 3] {
+    /// The vector given by the parameters `name_x`, `name_y`, `name_z`; in a tangent frame its components along the
+    /// tangents, and nothing across.
+    pub fn vector(&mut self, name: &str) -> [Expr; 3] {
         let given = ["x", "y", "z"].map(|axis| self.parameter(&format!("{name}_{axis}")));
+        let Deformation::Tangent { strain, .. } = &self.deformation else { return given };
+        let mut along = [self.graph.int(0); 3];
+        for (component, tangent) in along.iter_mut().zip(&strain.tangents) {
+            let products: Vec<Expr> = tangent.iter().zip(given).map(|(&t, x)| self.graph.mul(t, x)).collect();
+            *component = self.graph.sum(&products);
+        }
+        along
+    }
+
+    /// The direction given by the parameters `name_x`, `name_y`, `name_z`, made a unit vector; in a tangent frame what
+    /// is left of it along the tangents, made one.
+    pub fn unit_vector(&mut self, name: &str) -> [Expr; 3] {
+        let given = self.vector(name);
         let squares = given.map(|component| self.graph.powi(component, 2));
         let squared = self.graph.sum(&squares);
         let length = self.graph.sqrt(squared);

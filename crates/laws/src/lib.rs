@@ -11,10 +11,10 @@ mod parameter;
 pub mod response;
 pub mod user;
 
-pub use kinematics::Kinematics;
+pub use kinematics::{Kinematics, TangentStrain};
 pub use parameter::{BULK, Bound, ISOTROPIC, POISSON, Parameter, YOUNG, lame_from_young_poisson};
 pub use response::Response;
-use souple_symbols::Expr;
+use souple_symbols::{Expr, Graph, Matrix, Time};
 use std::fmt;
 
 include!(concat!(env!("OUT_DIR"), "/scanned.rs"));
@@ -72,6 +72,22 @@ impl Law {
             at += if direction.is_some() { 3 } else { 1 };
         }
         arguments
+    }
+
+    /// Whether the law can be used on surfaces and lines in space, where F is not known: whether its energy is written
+    /// in C, E, ε, J and invariants alone.
+    pub fn embeddable(&self) -> bool {
+        let mut graph = Graph::new();
+        let g = &mut graph;
+        let parameters: Vec<(String, Expr)> =
+            self.parameters.iter().map(|p| (p.name.to_owned(), g.symbol(p.name, Time::Setup))).collect();
+        let entries: Vec<Expr> = (0..9).map(|k| g.symbol(format!("E{k}"), Time::Step)).collect();
+        let strain = Matrix::from_fn(3, |i, j| entries[3 * i.min(j) + i.max(j)]);
+        let tangents = vec![[entries[0]; 3]];
+        let strain = TangentStrain { E: strain.clone(), epsilon: strain, J: entries[8], tangents };
+        let mut kinematics = Kinematics::in_tangent_frame(g, strain, parameters);
+        (self.energy)(&mut kinematics);
+        !kinematics.gradient_missed()
     }
 }
 

@@ -18,6 +18,9 @@ pub struct BlockSpec {
     pub density: f64,
     /// Shear viscosity η and bulk viscosity ζ of Kelvin–Voigt in Pa s, if there is any.
     pub viscosity: Option<[f64; 2]>,
+    /// Thickness in m of surfaces in space, cross-section in m² of lines in a plane or in space; 1 for elements that fill
+    /// their space.
+    pub section: f64,
     /// Global node indices, [element, local node].
     pub connectivity: Vec<u32>,
     /// Number of each element in the caller's own order, for messages and fields.

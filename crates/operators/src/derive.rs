@@ -17,11 +17,21 @@ pub struct Association {
     pub rule: &'static Rule,
     /// Loops over points, or not.
     pub loops: Loops,
+    /// Number of space dimensions; more than the element's make it a cable or a membrane.
+    pub dimension: usize,
+}
+
+impl Association {
+    /// An element that fills its space, with its default quadrature.
+    pub fn new(element: &'static Element, law: &'static Law) -> Association {
+        let (rule, dimension) = (element.default_rule(), element.dimension());
+        Association { element, law, rule, loops: Loops::Rolled, dimension }
+    }
 }
 
 /// What can be derived: name of the output and of the program that gives it.
 ///
-/// Programs read the buffers `rest`, `parameters`, `density` (set-up), `displacement` (step), `direction`
+/// Programs read the buffers `rest`, `parameters`, `density`, `section` (set-up), `displacement` (step), `direction`
 /// (application) and the carried values of earlier programs; all arrays are as in [`Definition`].
 pub const OUTPUTS: [&str; 8] =
     ["energy", "force", "tangent_apply", "tangent_blocks", "volume_ratio", "volume", "shape_mass", "lumped_mass"];
@@ -41,8 +51,8 @@ pub struct Derived {
 
 /// Derives all programs of an association.
 pub fn derive(association: Association, costs: Costs) -> Derived {
-    let Association { element, law, rule, loops } = association;
-    let d = define(element, law, rule, loops);
+    let Association { element, law, rule, loops, dimension } = association;
+    let d = define(element, law, rule, loops, dimension);
     let inputs = leaves(&d);
     let output = |program: &str, time, name: &str, values: &[_], cached| OutputRequest {
         program: program.into(),
@@ -123,11 +133,12 @@ pub fn derive_moduli(derived: &Derived, costs: Costs) -> Staged {
 }
 
 /// The buffers that programs read leaves from.
-fn leaves(d: &Definition) -> [BufferRequest; 5] {
+fn leaves(d: &Definition) -> [BufferRequest; 6] {
     [
         ("rest", d.rest.clone()),
         ("parameters", d.parameters.clone()),
         ("density", vec![d.density]),
+        ("section", vec![d.section]),
         ("displacement", d.displacement.clone()),
         ("direction", d.direction.clone()),
     ]

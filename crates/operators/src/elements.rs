@@ -1,6 +1,6 @@
 //! All elements of a model as one operator on nodal vectors.
 //!
-//! Vectors are flat, [node, axis], with as many axes as the elements have dimensions.
+//! Vectors are flat, [node, axis], with as many axes as space has dimensions.
 //! Each block writes the contributions of its elements into its own array, in lane order; then each node sums the
 //! contributions of its elements in a fixed order (the first thesis' partial and total influence). So the result is the
 //! same to the last bit for any number of threads.
@@ -95,29 +95,29 @@ pub struct AssemblyMap {
 type KernelOf = dyn Fn(&Block) -> Option<(Arc<dyn Kernel>, Family)>;
 
 impl Elements {
-    /// Derives, compiles and sets up all blocks.
+    /// Derives, compiles and sets up all blocks, in a space of `dimension` axes.
     ///
     /// # Errors
     /// When the backend refuses a program.
     ///
     /// # Panics
-    /// When blocks have different dimensions or a node index is out of range: the caller has checked the mesh.
+    /// When an element has more dimensions than space, its law cannot be embedded where it has fewer, or a node index is
+    /// out of range: the caller has checked the mesh.
     pub fn new(
+        dimension: usize,
         nodes: &[[f64; 3]],
         specs: Vec<BlockSpec>,
         backend: &dyn Backend,
         threads: Arc<Threads>,
         costs: Costs,
     ) -> Result<(Elements, Masses), CompileError> {
-        let dimension = specs.first().map_or(3, |s| s.element.dimension());
         let rest: Arc<Vec<f64>> = Arc::new(nodes.iter().flat_map(|n| n[..dimension].iter().copied()).collect());
         let mut families: Vec<(Association, Arc<Derived>)> = Vec::new();
         let mut blocks = Vec::new();
         let mut masses = Masses { shape: vec![0.0; nodes.len()], lumped: vec![0.0; nodes.len()] };
         for spec in specs.into_iter().filter(|s| !s.is_empty()) {
-            assert_eq!(spec.element.dimension(), dimension, "all elements of a model have one dimension");
-            let association =
-                Association { element: spec.element, law: spec.law, rule: spec.rule, loops: Loops::Rolled };
+            let BlockSpec { element, law, rule, .. } = spec;
+            let association = Association { element, law, rule, loops: Loops::Rolled, dimension };
             let same =
                 |a: &Association| (a.element.id, a.law.id, a.rule.id) == (spec.element.id, spec.law.id, spec.rule.id);
             let derived = match families.iter().find(|f| same(&f.0)) {
@@ -523,7 +523,7 @@ impl Block {
     /// Runs the set-up program: carried values stay here, masses go to the nodes.
     fn set_up(&mut self, kernel: &dyn Kernel, rest: &[f64], d: usize, masses: &mut Masses) {
         let n = self.spec.element.node_count();
-        let density = [self.spec.density];
+        let (density, section) = ([self.spec.density], [self.spec.section]);
         let program = kernel.program();
         let inputs: Vec<Input<'_>> = program
             .inputs
@@ -532,6 +532,7 @@ impl Block {
                 "rest" => Input::Gathered { values: rest, rows: &self.rows, width: d },
                 "parameters" => Input::Uniform(&self.spec.parameters),
                 "density" => Input::Uniform(&density),
+                "section" => Input::Uniform(&section),
                 other => unreachable!("a set-up program reads no `{other}`"),
             })
             .collect();
@@ -661,6 +662,7 @@ impl Block {
             parameters: &self.spec.parameters,
             viscosity: self.spec.viscosity.as_ref().map_or(&[], |v| &v[..]),
             moduli: given,
+            section: std::slice::from_ref(&self.spec.section),
             rows: &self.rows,
             setup: [&carried.setup[0], &carried.setup[1]],
             step: step_read,
@@ -697,6 +699,7 @@ impl Block {
             parameters: &self.spec.parameters,
             viscosity: self.spec.viscosity.as_ref().map_or(&[], |v| &v[..]),
             moduli,
+            section: std::slice::from_ref(&self.spec.section),
             rows: &self.rows,
             setup: [&carried.setup[0], &carried.setup[1]],
             step: None,
@@ -714,6 +717,7 @@ struct Sources<'a> {
     parameters: &'a [f64],
     viscosity: &'a [f64],
     moduli: Option<&'a [f64]>,
+    section: &'a [f64],
     rows: &'a [u32],
     setup: [&'a [f64]; 2],
     step: Option<[&'a [f64]; 2]>,
@@ -775,6 +779,7 @@ fn run_tasks(
                     "parameters" => Input::Uniform(source.parameters),
                     "viscosity" => Input::Uniform(source.viscosity),
                     "moduli" => Input::Lanes(&source.moduli.expect("moduli come before what reads them")[lanes()]),
+                    "section" => Input::Uniform(source.section),
                     "setup_values" => Input::Lanes(&source.setup[0][lanes()]),
                     "setup_point_values" => Input::Lanes(&source.setup[1][lanes()]),
                     name => {

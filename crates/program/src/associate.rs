@@ -152,7 +152,7 @@ pub fn associate(g: &Graph, roots: &[Expr]) -> (Dag, Vec<Ref>) {
                         continue;
                     }
                     // Their value is written out: it is their first operand.
-                    Function::PowerTrace | Function::PowerEntry(..) => {
+                    Function::PowerTrace | Function::PowerEntry(..) | Function::Root(_) => {
                         builder.built.insert(e, (false, refs[0]));
                         continue;
                     }

@@ -38,6 +38,10 @@ pub struct Material {
     pub parameters: Vec<Parameter>,
     /// Energy density of a user law, given exactly when `law` is [`USER_LAW`].
     pub energy: Option<Spanned<String>>,
+    /// Thickness in m: the faces of the region become membranes.
+    pub thickness: Option<Spanned<f64>>,
+    /// Area of the cross-section in m²: the edges of the region become cables.
+    pub section: Option<Spanned<f64>>,
     /// Viscous part (default none).
     pub viscosity: Option<Spanned<Viscosity>>,
 }
@@ -76,6 +80,18 @@ pub(crate) static MATERIAL: Section = Section {
             about: "energy density of a user law [J/m^3], an expression such as \"mu/2*(I1 - 3) - mu*ln(J)\"",
         },
         Key {
+            name: "thickness",
+            kind: Kind::Number(Dimension::LENGTH, Range::POSITIVE),
+            presence: Presence::Optional("no membranes"),
+            about: "makes the faces of the region (triangles, quadrangles) membranes in space, this thick at rest",
+        },
+        Key {
+            name: "section",
+            kind: Kind::Number(Dimension::AREA, Range::POSITIVE),
+            presence: Presence::Optional("no cables"),
+            about: "makes the edges of the region cables in the plane or in space, of this cross-section at rest",
+        },
+        Key {
             name: "viscosity",
             kind: Kind::Table(&VISCOSITY),
             presence: Presence::Optional("purely elastic"),
@@ -109,6 +125,12 @@ impl Reader<'_> {
         let (law, energy) = (self.text(fields, "law"), self.text(fields, "energy"));
         let viscosity =
             self.table(fields, "viscosity").map(|table| Spanned::new(self.viscosity(&table), table.at.clone()));
+        let (thickness, section) = (self.number(fields, "thickness"), self.number(fields, "section"));
+        if let (Some(_), Some(section)) = (&thickness, &section) {
+            let message = "a material has a `thickness` (membranes) or a `section` (cables), not both: write one \
+                           [[body.material]] for the faces and one for the edges";
+            self.conflict(section.at.clone(), message.to_owned());
+        }
         let law = match law {
             Some(law) => law,
             None if fields.has("law") => return None,
@@ -127,7 +149,8 @@ impl Reader<'_> {
             }
             self.law_parameters(fields, &law)
         };
-        let material = Material { region: region?, law, parameters: parameters?, energy, viscosity };
+        let (region, parameters) = (region?, parameters?);
+        let material = Material { region, law, parameters, energy, thickness, section, viscosity };
         Some(Spanned::new(material, fields.at.clone()))
     }
 

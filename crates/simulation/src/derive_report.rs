@@ -33,6 +33,8 @@ pub const PROGRAMS: [&str; 7] =
 pub struct Report {
     /// Id of the element.
     pub element: &'static str,
+    /// Number of space dimensions; more than the element's make it a cable or a membrane.
+    pub dimension: usize,
     /// Id of the law.
     pub law: &'static str,
     /// Id of the quadrature.
@@ -93,7 +95,7 @@ pub struct Crossing {
 
 /// Counts everything.
 pub fn report(derived: &Derived) -> Report {
-    let Association { element, law, rule, loops } = derived.association;
+    let Association { element, law, rule, loops, dimension } = derived.association;
     let crossing = |(once, per_point): (usize, usize)| Crossing {
         once,
         per_point,
@@ -106,6 +108,7 @@ pub fn report(derived: &Derived) -> Report {
     let sum = |c: Crossing| c.once + c.per_point;
     let mut report = Report {
         element: element.id,
+        dimension,
         law: law.id,
         quadrature: rule.id,
         points: rule.points.len(),
@@ -145,8 +148,9 @@ fn programs(derived: &Derived) -> impl Iterator<Item = (&'static str, &Program)>
 /// The numbers of a report as a table for people.
 pub fn summary(r: &Report) -> String {
     let mut text = format!(
-        "{} × {}, quadrature {} ({} point{}, {})\n\n",
+        "{}{} × {}, quadrature {} ({} point{}, {})\n\n",
         r.element,
+        embedding(r),
         r.law,
         r.quadrature,
         r.points,
@@ -177,6 +181,12 @@ pub fn summary(r: &Report) -> String {
         ));
     }
     text
+}
+
+/// How an element lies in a space of more dimensions; nothing when it fills its space.
+fn embedding(r: &Report) -> String {
+    let embedded = souple_elements::by_id(r.element).is_some_and(|e| e.dimension() < r.dimension);
+    if embedded { format!(" in {} dimensions", r.dimension) } else { String::new() }
 }
 
 /// The text of the program that computes an output (or of a program of [`PROGRAMS`] by its own name).
@@ -265,7 +275,7 @@ mod tests {
     fn derived(element: &str, law: &str, loops: Loops) -> Derived {
         let element = souple_elements::by_id(element).unwrap();
         let law = souple_laws::by_id(law).unwrap();
-        derive(Association { element, law, rule: element.default_rule(), loops }, Costs::default())
+        derive(Association { loops, ..Association::new(element, law) }, Costs::default())
     }
 
     /// Operations of the element are those outside the loop plus those of each point, and carried values add up.

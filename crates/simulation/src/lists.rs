@@ -66,6 +66,49 @@ pub fn find_rule(element: &Element, name: Option<&str>) -> Result<&'static Rule,
     element.rule(name).ok_or_else(|| unknown(&what, name, element.quadratures.iter().copied()))
 }
 
+/// An element or a law that cannot be put into a space of more dimensions.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NotEmbedded {
+    /// The element fills such a space, or does not fit into it.
+    #[error("{element} has dimension {dimension} and cannot be embedded in {space}: {expected}")]
+    Space {
+        /// Its id.
+        element: &'static str,
+        /// Its dimension.
+        dimension: usize,
+        /// The dimension that was asked for.
+        space: usize,
+        /// What would do.
+        expected: String,
+    },
+    /// The law asks for F.
+    #[error("law `{law}` is written in F, which membranes and cables do not have")]
+    Law {
+        /// Its id.
+        law: &'static str,
+    },
+}
+
+/// The number of space dimensions when an element with a law is to be a cable or a membrane in it.
+///
+/// # Errors
+/// When it fills the space or does not fit into it, or the law cannot be embedded.
+pub fn embedding(element: &Element, law: &Law, space: usize) -> Result<usize, NotEmbedded> {
+    let dimension = element.dimension();
+    if space <= dimension || space > 3 {
+        let expected = match dimension {
+            1 => "edges fit into 2 or 3".to_owned(),
+            2 => "faces fit into 3".to_owned(),
+            _ => "solids fill space".to_owned(),
+        };
+        return Err(NotEmbedded::Space { element: element.id, dimension, space, expected });
+    }
+    if !law.embeddable() {
+        return Err(NotEmbedded::Law { law: law.id });
+    }
+    Ok(space)
+}
+
 /// A name among others of one kind, for choices that belong to no registry.
 ///
 /// # Errors
@@ -83,6 +126,8 @@ pub struct ElementEntry {
     pub family: &'static str,
     /// Number of space dimensions.
     pub dimension: usize,
+    /// Dimensions of the spaces that it can be embedded in, as a cable or a membrane.
+    pub embedded: Vec<usize>,
     /// Number of nodes.
     pub nodes: usize,
     /// Degree of the polynomials that it interpolates exactly.
@@ -130,6 +175,7 @@ fn element_entry(e: &Element) -> ElementEntry {
         id: e.id,
         family: e.family.name(),
         dimension: e.dimension(),
+        embedded: (e.dimension() + 1..=3).collect(),
         nodes: e.node_count(),
         degree: e.degree,
         quadratures: rules

@@ -1,9 +1,11 @@
 //! What leaves a simulation: pictures of a state, summaries, checkpoints.
 
+use crate::prepare::PreparedBody;
 use crate::probes::{Measured, ProbeValue};
 use crate::run::{Ending, RunError, Simulation};
 use crate::tensor::{Symmetric, principal_stretches, rows, von_mises};
 use serde::Serialize;
+use souple_mesh::ElementId;
 use souple_mesh::formats::{Field, Location, Values, VtuOptions, write_vtu};
 use souple_operators::{Average, Mean};
 use souple_scene::output::Field as SceneField;
@@ -174,7 +176,7 @@ impl Simulation {
         let mut frames = Vec::new();
         for body in &self.prepared.bodies {
             let nodes = body.first_node as usize..body.first_node as usize + body.mesh.nodes.len();
-            let elements = body.first_element as usize..body.first_element as usize + body.mesh.element_count();
+            let numbers = body.numbers();
             let mut mesh = body.mesh.clone();
             for (node, u) in mesh.nodes.iter_mut().zip(&displacement[nodes.clone()]) {
                 for axis in 0..3 {
@@ -195,7 +197,7 @@ impl Simulation {
                     name: name.into(),
                     components,
                     location: Location::Elements,
-                    values: Values::F64(values[components * elements.start..components * elements.end].to_vec()),
+                    values: Values::F64(of_all_elements(body, &numbers, components, values)),
                 });
             }
             let bytes = write_vtu(&mesh, &fields, &VtuOptions::default())
@@ -271,6 +273,21 @@ impl Simulation {
         self.skip_written_outputs();
         Ok(())
     }
+}
+
+/// Values of all elements of a body's mesh, zeros where they do not deform, from those of all deformable elements.
+fn of_all_elements(body: &PreparedBody, numbers: &[(ElementId, u32)], components: usize, values: &[f64]) -> Vec<f64> {
+    let mut all = Vec::new();
+    for id in body.mesh.element_ids() {
+        match numbers.binary_search_by_key(&id, |n| n.0) {
+            Ok(at) => {
+                let first = (body.first_element + numbers[at].1) as usize * components;
+                all.extend_from_slice(&values[first..first + components]);
+            }
+            Err(_) => all.resize(all.len() + components, 0.0),
+        }
+    }
+    all
 }
 
 /// First bytes of a checkpoint.

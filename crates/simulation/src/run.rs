@@ -174,8 +174,14 @@ impl Simulation {
         };
         let threads = Arc::new(Threads::new(threads).map_err(LoadError::Threads)?);
         let device = open_device(&options.device)?;
-        let (mut elements, masses) =
-            Elements::new(&prepared.nodes, prepared.blocks.clone(), &*device, threads.clone(), Costs::default())?;
+        let (mut elements, masses) = Elements::new(
+            prepared.dimension,
+            &prepared.nodes,
+            prepared.blocks.clone(),
+            &*device,
+            threads.clone(),
+            Costs::default(),
+        )?;
         if scene.integrator.tangent == Tangent::Projected {
             elements.set_tangent(souple_operators::Tangent::Projected, &*device, Costs::default())?;
         }

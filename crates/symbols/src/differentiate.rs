@@ -175,6 +175,7 @@ impl Graph {
                     | Function::Eigenvector(..)
                     | Function::PowerTrace
                     | Function::PowerEntry(..) => self.spectral_partials(e, wanted),
+                    Function::Root(root) => self.root_partials(e, root, &operands[1..]),
                     Function::Pow => {
                         // d(a^b) = b a^b / a da + a^b ln a db; written with the power itself so that it is shared.
                         let b = operands[1];

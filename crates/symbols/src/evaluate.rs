@@ -56,6 +56,7 @@ impl Graph {
                             Function::Eigenvector(row, which) => eigen(entries(q)).1[*row as usize][*which as usize],
                             // The first operand is the value, written out.
                             Function::PowerTrace | Function::PowerEntry(..) => a,
+                            Function::Root(_) => a,
                         }
                     }
                     Node::Named(_, o) => of(*o, q),

@@ -1,6 +1,7 @@
 //! The graph: nodes, hash-consing, and the normal form that makes equal expressions the same node.
 
 use crate::Number;
+use crate::root::{Equation, RootId};
 use std::collections::HashMap;
 
 /// A value of the graph. Operands always have smaller indices than the nodes that use them.
@@ -59,6 +60,8 @@ pub enum Function {
     PowerTrace,
     /// Entry (i, j) of `Σ_p c_p M^(q_p − s)`: (i, j, s). Operands as those of the trace.
     PowerEntry(u8, u8, u8),
+    /// The root of an equation: the first operand is its value, the others what it depends on; see [`Graph::root`].
+    Root(RootId),
 }
 
 /// What a node is. Read it through [`Graph::node`]; build nodes only through the graph's functions.
@@ -103,6 +106,7 @@ pub struct Graph {
     symbols: Vec<String>,
     names: HashMap<Expr, Expr>,
     tables: Vec<Box<[f64]>>,
+    pub(crate) equations: Vec<Equation>,
     points: usize,
 }
 
@@ -176,11 +180,14 @@ impl Graph {
         }
     }
 
-    /// Operands that a node is differentiated through: all, but of powers of matrices not the value written out.
+    /// Operands that a node is differentiated through: all, but of roots and of powers of matrices not the
+    /// value written out.
     pub(crate) fn variables(&self, e: Expr) -> Vec<Expr> {
         let operands = self.operands(e);
         match self.node(e) {
-            Node::Function(Function::PowerTrace | Function::PowerEntry(..), _) => operands[1..].to_vec(),
+            Node::Function(Function::PowerTrace | Function::PowerEntry(..) | Function::Root(_), _) => {
+                operands[1..].to_vec()
+            }
             _ => operands,
         }
     }

@@ -16,6 +16,7 @@
 //! | differentiate forwards | many expressions, a direction | directional derivatives | [`Graph::directional`] |
 //! | powers of matrices | a symmetric matrix, exponents | traces and entries | [`Graph::power_trace`], [`Graph::power_entry`] |
 //! | evaluate | values of the symbols | values of the expressions | [`Graph::evaluate`] |
+//! | solve | an equation, a start | its root, differentiated implicitly | [`Graph::root`] |
 //! | show | an expression | text or LaTeX | [`print`] |
 //!
 //! Every node knows its binding [`Time`] (the latest of its leaves) and whether it varies over the *points* of a sum
@@ -26,9 +27,11 @@ mod evaluate;
 mod graph;
 mod number;
 pub mod print;
+mod root;
 mod spectral;
 mod tensor;
 
 pub use graph::{Expr, Function, Graph, Node, Time};
 pub use number::Number;
+pub use root::{Equation, RootId};
 pub use tensor::Matrix;

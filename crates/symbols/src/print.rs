@@ -223,6 +223,8 @@ impl Printer<'_> {
                 let (b, c) = (self.print(operands[1], 0), self.print(operands[2], 0));
                 format!("\\sigma_{{\\Sigma}}\\left({a},\\,{b},\\,{c}\\right)")
             }
+            // The value is the first operand: the steps that lead to it are what is computed, and are printed in full.
+            (_, Function::Root(_)) => a,
             (Style::Text, Function::Pow) => format!("pow({a}, {})", self.print(operands[1], 0)),
             (Style::Latex, Function::Sqrt) => format!("\\sqrt{{{a}}}"),
             (Style::Latex, Function::Ln) => format!("\\ln\\left({a}\\right)"),

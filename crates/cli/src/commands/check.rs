@@ -134,7 +134,7 @@ fn found(file: String, scene: &Scene, prepared: &Prepared, warnings: Vec<String>
 
 fn found_body(prepared: &Prepared, body: &PreparedBody) -> FoundBody {
     let nodes = body.first_node..body.first_node + body.mesh.nodes.len() as u32;
-    let last = body.first_element + body.mesh.element_count() as u32;
+    let last = body.first_element + body.elements.len() as u32;
     let materials = prepared.blocks.iter().filter_map(|block| {
         let count = block.ids.iter().filter(|id| (body.first_element..last).contains(id)).count();
         let names = block.law.parameters.iter().map(|p| p.name);
@@ -163,7 +163,7 @@ fn found_body(prepared: &Prepared, body: &PreparedBody) -> FoundBody {
     FoundBody {
         name: body.name.clone(),
         nodes: body.mesh.nodes.len(),
-        elements: body.deformable().map(|b| (b.element.id, b.len())).collect(),
+        elements: body.kinds().into_iter().map(|(element, count)| (element.id, count)).collect(),
         materials,
         regions: regions.collect(),
         fixed_nodes: distinct(&mut prepared.fixed.iter().flat_map(|f| &f.0)),

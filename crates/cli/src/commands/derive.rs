@@ -5,13 +5,14 @@ use crate::terminal::{say, say_json};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use souple_simulation::derive_report::{self, Association, Costs, Derived, Loops, OUTPUTS, PROGRAMS, Report};
-use souple_simulation::lists::{find_element, find_law, find_name, find_rule};
+use souple_simulation::lists::{embedding, find_element, find_law, find_name, find_rule};
 use std::time::Instant;
 
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  souple derive --element hex8 --law stvk\n  \
     souple derive --element tet4 --law stvk --output force --show expressions\n  \
-    souple derive --element tri3 --law hooke --show latex > tri3.tex")]
+    souple derive --element tri3 --law hooke --show latex > tri3.tex\n  \
+    souple derive --element tri3 --law neo-hookean --embedded 3")]
 pub(crate) struct Arguments {
     /// Id of the element (see: souple list elements)
     #[arg(long)]
@@ -22,6 +23,9 @@ pub(crate) struct Arguments {
     /// Id or number of points of the quadrature; without it, the element's default
     #[arg(long)]
     quadrature: Option<String>,
+    /// Number of space dimensions, more than the element's own: a cable (edges) or a membrane (faces)
+    #[arg(long, value_name = "DIMENSIONS")]
+    embedded: Option<usize>,
     /// What to show with `--show expressions` and `--show program`: energy, force, tangent_apply, tangent_blocks,
     /// lumped_mass, shape_mass or setup
     #[arg(long, default_value = "force")]
@@ -67,11 +71,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let law = find_law(&arguments.law).map_err(input)?;
     let rule = find_rule(element, arguments.quadrature.as_deref()).map_err(input)?;
     let output = known_output(&arguments.output, arguments.show)?;
+    let dimension = match arguments.embedded {
+        None => element.dimension(),
+        Some(space) => embedding(element, law, space).map_err(input)?,
+    };
     let loops = if arguments.unrolled { Loops::Unrolled } else { Loops::Rolled };
     let costs = arguments.carry_price.map_or_else(Costs::default, |carry| Costs { carry });
 
     let start = Instant::now();
-    let derived = derive_report::derive(Association { element, law, rule, loops }, costs);
+    let derived = derive_report::derive(Association { element, law, rule, loops, dimension }, costs);
     let derive_ms = start.elapsed().as_secs_f64() * 1e3;
 
     let shown = shown(&derived, arguments.show, output);

@@ -76,11 +76,17 @@ fn element_table(entries: &[ElementEntry]) -> String {
                 names.push(format!("abaqus {}", e.exchange.abaqus.join("/")));
             }
             names.extend(e.exchange.medit.map(|m| format!("medit {m}")));
-            let cells = [e.id, e.family, &e.nodes.to_string(), &e.degree.to_string()].map(str::to_owned);
+            let embedded = match (e.dimension, e.embedded.is_empty()) {
+                (_, true) => String::from("–"),
+                (1, _) => String::from("cable in 2D, 3D"),
+                _ => String::from("membrane in 3D"),
+            };
+            let cells = [e.id, e.family, &e.nodes.to_string(), &e.degree.to_string(), &embedded].map(str::to_owned);
             cells.into_iter().chain([rules.join(", "), names.join(", ")]).collect()
         })
         .collect();
-    let heads = ["element", "family", "nodes", "degree", "quadratures, the default first", "names in formats"];
+    let heads =
+        ["element", "family", "nodes", "degree", "embedded", "quadratures, the default first", "names in formats"];
     table(&heads, &rows)
 }
 

@@ -151,7 +151,7 @@ fn value(formula: &Formula, k: &mut Kinematics<'_>) -> Value {
     match formula {
         Formula::Number(number) => Value::Scalar(k.graph.real(*number)),
         Formula::Parameter(name) => Value::Scalar(k.parameter(name)),
-        Formula::Direction(name) => Value::Vector(["x", "y", "z"].map(|axis| k.parameter(&component(name, axis)))),
+        Formula::Direction(name) => Value::Vector(k.vector(name)),
         Formula::Measure(measure) => measured(*measure, k),
         Formula::Sum(terms) => {
             let values: Vec<(Number, Value)> = terms

@@ -32,6 +32,10 @@ fn prepare(sample: &mut Sample) {
 #[test]
 fn homogeneous_deformations_show_their_stress_and_strain() {
     each(|sample| {
+        // Elsewhere: what the deformation across is has to be found there.
+        if sample.embedded() {
+            return;
+        }
         prepare(sample);
         let what = sample.name();
         let h = sample.gradient();
@@ -83,7 +87,7 @@ fn rest_shows_nothing() {
 fn plane_strain_has_a_stress_across() {
     let compared = std::cell::Cell::new(0);
     each(|sample| {
-        if sample.dimension() != 2 || sample.law.id != "hooke" {
+        if sample.embedded() || sample.dimension() != 2 || sample.law.id != "hooke" {
             return;
         }
         prepare(sample);
@@ -107,7 +111,8 @@ fn backends_agree_on_means() {
         }
         prepare(sample);
         let u = sample.displacement();
-        let (mut other, _) = one_element(sample.element, sample.law, sample.rule, &sample.nodes, sample.density);
+        let (mut other, _) =
+            one_element(sample.element, sample.law, sample.rule, sample.space, &sample.nodes, sample.density);
         let both = [Average::Stress, Average::Strain];
         other.prepare_means(&both, &Cpu::open(), Costs::default()).unwrap();
         for average in both {

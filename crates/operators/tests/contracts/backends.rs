@@ -2,7 +2,6 @@
 
 use crate::programs::{inputs, item, run_all};
 use crate::sample::with_default_rules;
-use souple_forms::Loops;
 use souple_kernels::conformance::Random;
 use souple_kernels::oracle::{self, Bounded};
 use souple_kernels::{Backend, Input, Interpreter, LANES, Scratch};
@@ -30,12 +29,12 @@ fn backends_agree_with_the_oracle_on_derived_programs() {
     let backends = backends();
     let mut random = Random::new(21);
     for (element, law, rule) in with_default_rules() {
-        let association = Association { element, law, rule, loops: Loops::Rolled };
+        let association = Association { rule, ..Association::new(element, law) };
         let derived = derive(association, Costs::default());
         // A different element in each lane, with what was carried for it.
         let (items, expected): (Vec<_>, Vec<_>) = (0..GROUPS * LANES)
             .map(|_| {
-                let mut item = item(element, law, &mut random);
+                let mut item = item(element, law, element.dimension(), &mut random);
                 let expected = run_all(&derived, &mut item);
                 (item, expected)
             })

@@ -1,7 +1,6 @@
 //! What the derived programs cost, with ceilings that must not be broken.
 
 use souple_elements::Element;
-use souple_forms::Loops;
 use souple_laws::Law;
 use souple_operators::{Association, Derived, derive};
 use souple_program::{Costs, Counts, Program};
@@ -9,7 +8,7 @@ use std::fmt::Write as _;
 
 fn derived(element: &'static Element, law: &str) -> Derived {
     let law = souple_laws::by_id(law).unwrap();
-    derive(Association { element, law, rule: element.default_rule(), loops: Loops::Rolled }, Costs::default())
+    derive(Association::new(element, law), Costs::default())
 }
 
 /// Operations in all, over the number of points of the quadrature, rounded up.

@@ -53,12 +53,13 @@ fn model(threads: usize) -> (Elements, Masses) {
             parameters: vec![1e5, 0.3],
             density: 1000.0,
             viscosity: (k % 2 == 0).then_some([3.0, 5.0]),
+            section: 1.0,
             connectivity,
             ids: (0..count).collect(),
         }
     });
     let threads = Arc::new(Threads::new(threads).unwrap());
-    Elements::new(&nodes, specs.collect(), &Interpreter::default(), threads, Costs::default()).unwrap()
+    Elements::new(3, &nodes, specs.collect(), &Interpreter::default(), threads, Costs::default()).unwrap()
 }
 
 /// Bits of everything that a model computes at one state.

@@ -9,7 +9,6 @@
 )]
 
 use crate::counts::table;
-use souple_forms::Loops;
 use souple_operators::{Association, derive};
 use souple_program::{Costs, parse, print};
 
@@ -71,7 +70,7 @@ fn program_texts_are_golden() {
     for (element, law, name) in [("tet4", "stvk", "force"), ("hex8", "stvk", "tangent_apply")] {
         let element = souple_elements::by_id(element).unwrap();
         let law = souple_laws::by_id(law).unwrap();
-        let association = Association { element, law, rule: element.default_rule(), loops: Loops::Rolled };
+        let association = Association::new(element, law);
         let derived = derive(association, Costs::default());
         let program = derived.staged.program(name).unwrap();
         let text = print(program);

@@ -92,6 +92,9 @@ fn superposed_rotations_turn_forces_and_keep_the_energy() {
 #[test]
 fn homogeneous_deformations_have_one_volume_ratio() {
     each(|sample| {
+        if sample.embedded() {
+            return;
+        }
         let h = sample.gradient();
         let f = |i: usize, j: usize| h[i][j] + if i == j { 1.0 } else { 0.0 };
         let expected = f(0, 0) * (f(1, 1) * f(2, 2) - f(1, 2) * f(2, 1))

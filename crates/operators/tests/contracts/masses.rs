@@ -1,30 +1,32 @@
 //! Masses that the elements give to their nodes.
 
-use crate::sample::{SKEW, assert_close, each, one_element, skewed};
+use crate::sample::{SECTION, SKEW, assert_close, each, one_element, skewed};
 
-/// Both masses of an element are its density times its volume: det A times the reference cell's under an affine map A.
+/// Both masses of an element are its density times its volume: det A times the reference cell's under an affine map A,
+/// √det AᵀA times that and the thickness or cross-section where there are fewer columns than rows.
 #[test]
 fn masses_are_density_times_volume() {
     let law = souple_laws::by_id("hooke").unwrap();
     let done = std::cell::RefCell::new(std::collections::BTreeSet::new());
     each(|sample| {
         // Masses know no law.
-        if !done.borrow_mut().insert((sample.element.id, sample.rule.id)) {
+        if !done.borrow_mut().insert((sample.element.id, sample.rule.id, sample.space)) {
             return;
         }
-        let d = sample.dimension();
-        let a = SKEW;
-        let determinant = match d {
-            1 => a[0][0],
-            2 => a[0][0] * a[1][1] - a[0][1] * a[1][0],
-            _ => {
-                a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1]) - a[0][1] * (a[1][0] * a[2][2] - a[1][2] * a[2][0])
-                    + a[0][2] * (a[1][0] * a[2][1] - a[1][1] * a[2][0])
+        let (d, space) = (sample.element.dimension(), sample.space);
+        // AᵀA, and ones on the diagonal beyond it.
+        let a = |i: usize, j: usize| -> f64 {
+            match (i < d && j < d, i == j) {
+                (true, _) => (0..space).map(|k| SKEW[k][i] * SKEW[k][j]).sum(),
+                (false, same) => f64::from(u8::from(same)),
             }
         };
+        let minor = |i: usize, j: usize| a(1, i) * a(2, j) - a(1, j) * a(2, i);
+        let squared = a(0, 0) * minor(1, 2) + a(0, 1) * minor(2, 0) + a(0, 2) * minor(0, 1);
+        let determinant = squared.sqrt() * if sample.embedded() { SECTION } else { 1.0 };
         let expected = sample.density * determinant * sample.element.family.reference_measure();
-        let nodes = skewed(sample.element);
-        let (_, masses) = one_element(sample.element, law, sample.rule, &nodes, sample.density);
+        let nodes = skewed(sample.element, sample.space);
+        let (_, masses) = one_element(sample.element, law, sample.rule, sample.space, &nodes, sample.density);
         for mass in [masses.shape, masses.lumped] {
             assert_close(&sample.name(), &[mass.iter().sum()], &[expected], 1e-13, expected);
         }

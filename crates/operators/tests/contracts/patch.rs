@@ -89,12 +89,13 @@ fn model(patch: &Patch, law: &'static Law, parameters: &[f64], rule: usize) -> E
             parameters: parameters.to_vec(),
             density: 1000.0,
             viscosity: None,
+            section: 1.0,
             connectivity: connectivity.clone(),
             ids: (0..(connectivity.len() / element.node_count()) as u32).collect(),
         }
     });
     let threads = Arc::new(Threads::new(1).unwrap());
-    Elements::new(&patch.nodes, specs.collect(), &Interpreter::default(), threads, Costs::default()).unwrap().0
+    Elements::new(3, &patch.nodes, specs.collect(), &Interpreter::default(), threads, Costs::default()).unwrap().0
 }
 
 /// Energy, nodal forces and stresses of homogeneous deformations are exact to round-off with every listed rule, and

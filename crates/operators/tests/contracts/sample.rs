@@ -15,6 +15,8 @@ pub(crate) struct Sample {
     pub(crate) element: &'static Element,
     pub(crate) law: &'static Law,
     pub(crate) rule: &'static Rule,
+    /// Number of space dimensions.
+    pub(crate) space: usize,
     pub(crate) nodes: Vec<[f64; 3]>,
     pub(crate) density: f64,
     pub(crate) elements: Elements,
@@ -23,20 +25,25 @@ pub(crate) struct Sample {
 }
 
 impl Sample {
-    fn new(element: &'static Element, law: &'static Law, rule: &'static Rule, seed: u64) -> Sample {
+    fn new((element, law, rule, space): Case, seed: u64) -> Sample {
         let mut random = Random::new(seed);
-        let nodes = distorted(element, &mut random);
+        let nodes = distorted(element, space, &mut random);
         let density = 1.7;
-        let (elements, masses) = one_element(element, law, rule, &nodes, density);
-        Sample { element, law, rule, nodes, density, elements, masses, random }
+        let (elements, masses) = one_element(element, law, rule, space, &nodes, density);
+        Sample { element, law, rule, space, nodes, density, elements, masses, random }
     }
 
     pub(crate) fn name(&self) -> String {
-        format!("{} / {} / {}", self.element.id, self.law.id, self.rule.id)
+        format!("{} in {}D / {} / {}", self.element.id, self.space, self.law.id, self.rule.id)
+    }
+
+    /// Whether the element has fewer dimensions than space.
+    pub(crate) fn embedded(&self) -> bool {
+        self.element.dimension() < self.space
     }
 
     pub(crate) fn dimension(&self) -> usize {
-        self.element.dimension()
+        self.space
     }
 
     /// A random homogeneous deformation with a random displacement of every node on top, [node, axis] in m.
@@ -88,11 +95,15 @@ impl Sample {
     }
 }
 
+/// Thickness or cross-section of the elements that do not fill their space.
+pub(crate) const SECTION: f64 = 0.6;
+
 /// A model of one element with admissible parameters.
 pub(crate) fn one_element(
     element: &'static Element,
     law: &'static Law,
     rule: &'static Rule,
+    space: usize,
     nodes: &[[f64; 3]],
     density: f64,
 ) -> (Elements, Masses) {
@@ -103,32 +114,45 @@ pub(crate) fn one_element(
         parameters: parameters(law),
         density,
         viscosity: None,
+        section: if element.dimension() < space { SECTION } else { 1.0 },
         connectivity: (0..nodes.len() as u32).collect(),
         ids: vec![0],
     };
     let threads = Arc::new(Threads::new(1).unwrap());
-    Elements::new(nodes, vec![spec], &Interpreter::default(), threads, Costs::default()).unwrap()
+    Elements::new(space, nodes, vec![spec], &Interpreter::default(), threads, Costs::default()).unwrap()
 }
 
 /// Elements up to here are derived with every law in each test, larger ones with some.
 const SMALL: usize = 8;
+/// Likewise for elements that do not fill their space.
+const SMALL_EMBEDDED: usize = 3;
 
-/// Associations that meet every law, every element and every listed rule: all laws on the default rules of small
-/// elements; on larger elements and on the other rules, one law after the other in turn. A law enters point by point
-/// and knows neither element nor rule, so that nothing more would be learnt from the full product, for minutes more.
-pub(crate) fn associations() -> impl Iterator<Item = (&'static Element, &'static Law, &'static Rule)> {
+/// Element, law, rule and number of space dimensions.
+pub(crate) type Case = (&'static Element, &'static Law, &'static Rule, usize);
+
+/// Associations that meet every law, every element, in every space that it fits into, and every listed rule: all laws on
+/// the default rules of small elements; on larger elements and on the other rules, one law after the other in turn. A law
+/// enters point by point and knows neither element nor rule, so that nothing more would be learnt from the full product,
+/// for minutes more.
+pub(crate) fn associations() -> impl Iterator<Item = Case> {
     let laws = souple_laws::all();
     let pairs = souple_elements::all().iter().flat_map(|&e| e.quadratures.iter().map(move |id| (e, *id)));
     pairs.enumerate().flat_map(move |(k, (element, id))| {
-        let all = id == element.quadratures[0] && element.node_count() <= SMALL;
-        let chosen = (0..laws.len()).filter(move |&l| all || l == k % laws.len());
-        chosen.map(move |l| (element, laws[l], Rule::by_id(id).unwrap()))
+        let default = id == element.quadratures[0];
+        let spaces = element.dimension()..=if default { 3 } else { element.dimension() };
+        spaces.flat_map(move |space| {
+            let small = if space > element.dimension() { SMALL_EMBEDDED } else { SMALL };
+            let all = default && element.node_count() <= small;
+            let chosen = (0..laws.len()).filter(move |&l| all || l == (k + space) % laws.len());
+            chosen.map(move |l| (element, laws[l], Rule::by_id(id).unwrap(), space))
+        })
     })
 }
 
-/// Those of [`associations`] with the default rules.
+/// Those of [`associations`] with the default rules, of elements that fill their space.
 pub(crate) fn with_default_rules() -> impl Iterator<Item = (&'static Element, &'static Law, &'static Rule)> {
-    associations().filter(|(element, _, rule)| rule.id == element.quadratures[0])
+    let filling = |(element, _, rule, space): &Case| rule.id == element.quadratures[0] && *space == element.dimension();
+    associations().filter(filling).map(|(element, law, rule, _)| (element, law, rule))
 }
 
 /// Calls `check` with a sample of each association. Samples are derived once and shared by the tests; random numbers
@@ -136,7 +160,7 @@ pub(crate) fn with_default_rules() -> impl Iterator<Item = (&'static Element, &'
 pub(crate) fn each(check: impl Fn(&mut Sample)) {
     static SAMPLES: LazyLock<Vec<Mutex<Sample>>> = LazyLock::new(|| {
         let numbered = associations().enumerate();
-        numbered.map(|(k, (element, law, rule))| Mutex::new(Sample::new(element, law, rule, k as u64))).collect()
+        numbered.map(|(k, case)| Mutex::new(Sample::new(case, k as u64))).collect()
     });
     for (k, sample) in SAMPLES.iter().enumerate() {
         // One failing test must not fail the others.
@@ -174,12 +198,12 @@ fn spacing(element: &Element) -> f64 {
 /// A skewed map of the reference element, [row, column], whose determinant in each dimension is positive.
 pub(crate) const SKEW: [[f64; 3]; 3] = [[1.1, 0.2, -0.1], [0.15, 0.9, 0.25], [-0.2, 0.1, 1.2]];
 
-/// Rest positions under the affine map [`SKEW`].
-pub(crate) fn skewed(element: &Element) -> Vec<[f64; 3]> {
+/// Rest positions under the affine map [`SKEW`]; an element of fewer dimensions than space lies askew in it.
+pub(crate) fn skewed(element: &Element, space: usize) -> Vec<[f64; 3]> {
     let d = element.dimension();
     let place = |xi: &[f64; 3]| {
         let mut x = [0.0; 3];
-        for i in 0..d {
+        for i in 0..space {
             x[i] = 0.3 + (0..d).map(|j| SKEW[i][j] * xi[j]).sum::<f64>();
         }
         x
@@ -188,11 +212,11 @@ pub(crate) fn skewed(element: &Element) -> Vec<[f64; 3]> {
 }
 
 /// Rest positions of a distorted element, [node][axis] in m.
-pub(crate) fn distorted(element: &Element, random: &mut Random) -> Vec<[f64; 3]> {
+pub(crate) fn distorted(element: &Element, space: usize, random: &mut Random) -> Vec<[f64; 3]> {
     let noise = 0.05 * spacing(element);
-    let mut nodes = skewed(element);
+    let mut nodes = skewed(element, space);
     for x in &mut nodes {
-        x[..element.dimension()].iter_mut().for_each(|c| *c += noise * random.between(-1.0, 1.0));
+        x[..space].iter_mut().for_each(|c| *c += noise * random.between(-1.0, 1.0));
     }
     nodes
 }

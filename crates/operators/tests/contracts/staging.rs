@@ -1,12 +1,11 @@
 //! What is known early is computed early.
 
 use crate::sample::with_default_rules;
-use souple_forms::Loops;
 use souple_operators::{Association, Derived, derive};
 use souple_program::{Costs, verify};
 
 fn rolled(element: &'static souple_elements::Element, law: &'static souple_laws::Law, carry: u64) -> Derived {
-    derive(Association { element, law, rule: element.default_rule(), loops: Loops::Rolled }, Costs { carry })
+    derive(Association::new(element, law), Costs { carry })
 }
 
 /// The tangent of a linear law depends on no state, whatever storing costs: nothing is carried from a step, and its

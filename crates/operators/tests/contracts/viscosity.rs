@@ -33,12 +33,13 @@ impl Viscous {
             parameters: parameters(law),
             density: 1.0,
             viscosity: Some([ETA, ZETA]),
+            section: 1.0,
             connectivity: (0..nodes.len() as u32).collect(),
             ids: vec![0],
         };
         let threads = Arc::new(Threads::new(1).unwrap());
         let (elements, masses) =
-            Elements::new(&nodes, vec![spec], &Interpreter::default(), threads, Costs::default()).unwrap();
+            Elements::new(element.dimension(), &nodes, vec![spec], &Interpreter::default(), threads, Costs::default()).unwrap();
         let volume = masses.lumped.iter().sum();
         Viscous { element, nodes, elements, volume, random }
     }

@@ -41,11 +41,12 @@ pub(crate) fn solve(
         parameters: YOUNG_POISSON.to_vec(),
         density: 1.0,
         viscosity: None,
+        section: 1.0,
         connectivity: mesh.blocks[0].connectivity.clone(),
         ids: (0..mesh.blocks[0].len() as u32).collect(),
     };
     let threads = Arc::new(Threads::new(1).unwrap());
-    let (mut elements, _) = Elements::new(&mesh.nodes, vec![spec], &Cpu::open(), threads, Costs::default()).unwrap();
+    let (mut elements, _) = Elements::new(mesh.dimension(), &mesh.nodes, vec![spec], &Cpu::open(), threads, Costs::default()).unwrap();
 
     let points = Points::new(&mesh, field);
     let loads = points.loads(&mesh, d);

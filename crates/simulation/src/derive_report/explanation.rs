@@ -9,8 +9,13 @@ pub fn explanation(simulation: &Simulation) -> String {
     let mut out = String::new();
     let (mut force, mut product, mut stored) = (0, 0, 0);
     for block in &simulation.prepared.blocks {
-        let association =
-            Association { element: block.element, law: block.law, rule: block.rule, loops: Loops::Rolled };
+        let association = Association {
+            element: block.element,
+            law: block.law,
+            rule: block.rule,
+            loops: Loops::Rolled,
+            dimension: simulation.prepared.dimension,
+        };
         let r = report(&derive(association, Costs::default()));
         let values: Vec<String> =
             block.law.parameters.iter().zip(&block.parameters).map(|(p, v)| format!("{} {v}", p.name)).collect();

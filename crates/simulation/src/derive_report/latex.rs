@@ -94,7 +94,7 @@ fn coordinates(dimension: usize) -> &'static [&'static str] {
 }
 
 fn displacement_gradient(derived: &Derived) -> String {
-    let d = derived.definition.dimension;
+    let d = derived.association.element.dimension();
     let Reference { mut graph, xi, shape } = reference(derived);
     let mut rows = Vec::new();
     for (a, &n) in shape.iter().enumerate() {
@@ -103,6 +103,20 @@ fn displacement_gradient(derived: &Derived) -> String {
             let name = format!("\\partial N_{{{a}}}/\\partial {coordinate}");
             rows.push(row(&name, &expression(&graph, slope, Style::Latex)));
         }
+    }
+    if derived.definition.embedding.is_some() {
+        return format!(
+            "\\section{{Displacement gradient}}\n\
+             The slopes of the shape functions in the reference cell, and along orthonormal tangents $\\mathbf{{T}}$ in space,\n\
+             from $\\partial\\mathbf{{X}}/\\partial\\boldsymbol\\xi = \\sum_a \\mathbf{{X}}_a \\otimes \\partial \
+             N_a/\\partial\\boldsymbol\\xi = \\mathbf{{T}}\\mathbf{{R}}$ with an upper triangular $\\mathbf{{R}}$:\n\
+             {}\
+             \\begin{{equation*}}\n  \\nabla N_a = \\mathbf{{R}}^{{-\\mathsf{{T}}}} \
+             \\frac{{\\partial N_a}}{{\\partial\\boldsymbol\\xi}}, \\qquad \
+             \\mathbf{{H}} = \\sum_a \\mathbf{{u}}_a \\otimes \\nabla N_a, \\qquad \
+             dV_q = w_q \\det\\mathbf{{R}} \\cdot s, \\quad s \\text{{ the thickness or cross-section}}\n\\end{{equation*}}\n",
+            align(&rows)
+        );
     }
     let missing = if d < 3 {
         "Directions that the element does not have contribute nothing: their entries of $\\mathbf{H}$ are zero, which in \
@@ -125,6 +139,14 @@ fn displacement_gradient(derived: &Derived) -> String {
 
 /// F, then those measures that the law's formula names.
 fn strain(derived: &Derived) -> String {
+    if derived.definition.embedding.is_some() {
+        return String::from(
+            "\\section{Deformation}\nStrain in the frame of the tangents, and $n$ across them, where the stress vanishes:\n\
+             \\begin{equation*}\n  \\mathbf{E} = \\tfrac{1}{2}\\left(\\mathbf{T}^{\\mathsf{T}}\\mathbf{H} + \
+             \\mathbf{H}^{\\mathsf{T}}\\mathbf{T} + \\mathbf{H}^{\\mathsf{T}}\\mathbf{H}\\right), \\qquad \
+             \\frac{\\partial\\psi}{\\partial n} = 0\n\\end{equation*}\n",
+        );
+    }
     let d = derived.definition.dimension;
     let mut graph = Graph::new();
     let zero = graph.int(0);
@@ -218,7 +240,7 @@ fn energy_density(derived: &Derived) -> String {
 }
 
 fn stress(derived: &Derived) -> String {
-    let d = derived.definition.dimension;
+    let d = derived.association.element.dimension();
     let components: Vec<(String, Expr)> = derived
         .definition
         .stress
@@ -236,7 +258,7 @@ fn stress(derived: &Derived) -> String {
 
 fn energy(derived: &Derived) -> String {
     let rule = derived.association.rule;
-    let d = derived.definition.dimension;
+    let d = derived.association.element.dimension();
     let columns = "r".repeat(d + 2);
     let mut body = String::new();
     for (q, (point, weight)) in rule.points.iter().zip(&rule.weights).enumerate() {
@@ -299,7 +321,7 @@ mod tests {
         let element = souple_elements::by_id(element).unwrap();
         let law = souple_laws::by_id(law).unwrap();
         let rule = element.default_rule();
-        latex(&derive(Association { element, law, rule, loops: Loops::Rolled }, Costs::default()))
+        latex(&derive(Association { rule, ..Association::new(element, law) }, Costs::default()))
     }
 
     /// What every LaTeX needs: environments and brackets closed in each row, and no character without a meaning.

@@ -3,8 +3,8 @@
 //! An element computes only where det ∂x/∂ξ > 0. Elements listed inside out are turned and counted; elements that are
 //! negative or flat in one place stay an error, because no order of their nodes helps.
 
-use super::described;
 use super::error::Findings;
+use super::{PreparedBody, described};
 use souple_mesh::check::{Merge, MeshReport, UnitGuess, repair, report};
 use souple_mesh::{ElementId, Mesh, tolerance};
 use souple_scene::Location;
@@ -15,14 +15,18 @@ use souple_scene::mesh::Mesh as MeshSource;
 const NAMED: usize = 5;
 
 /// Checks, turns what is inside out, and drops what no deformable element uses; `None` after a problem was noted.
+///
+/// `claimed` are the elements of lower dimension that deform, sorted.
 pub(super) fn check(
-    mesh: &mut Mesh,
-    text: &mut String,
+    prepared: &mut PreparedBody,
+    claimed: &[ElementId],
     body: &Body,
     at: &Location,
     findings: &mut Findings,
 ) -> Option<()> {
     let name = body.name.as_str();
+    let space = prepared.dimension;
+    let (mesh, text) = (&mut prepared.mesh, &mut prepared.report);
     let refused = |error: souple_mesh::check::MeshError, findings: &mut Findings| {
         findings.problem(at, format!("mesh of body \"{name}\": {error}"));
     };
@@ -37,17 +41,26 @@ pub(super) fn check(
         findings.problem(at, format!("the mesh of body \"{name}\" has no element; a body needs elements that deform"));
         return None;
     }
-    if !lies_in_its_space(mesh, found.dimension) {
+    if !lies_in_its_space(mesh, found.dimension.min(1), space) {
+        let (what, plane) = match space {
+            2 => ("triangles and quadrangles", "in one plane of constant z"),
+            _ => ("edges", "on one line along x"),
+        };
+        let quantity = if space == 2 { "thickness" } else { "section" };
         let message = format!(
-            "the mesh of body \"{name}\" has elements of dimension {} at most, and its nodes do not lie {}; shells and \
-             cables are not supported yet: fill the surface with solid elements in a mesher",
+            "the mesh of body \"{name}\" has elements of dimension {} at most, and its nodes do not lie {plane}; a \
+             `{quantity}` in their [[body.material]] makes {what} in space {}, or fill the surface with solid elements in a \
+             mesher",
             found.dimension,
-            if found.dimension == 2 { "in one plane of constant z" } else { "on one line along x" }
+            if space == 2 { "membranes" } else { "cables" },
         );
         findings.problem(at, message);
         return None;
     }
-    let turnable = |id: &ElementId| mesh.blocks[id.block as usize].element.dimension() == found.dimension;
+    let deforms = |mesh: &Mesh, id: &ElementId| {
+        mesh.blocks[id.block as usize].element.dimension() == found.dimension || claimed.binary_search(id).is_ok()
+    };
+    let turnable = |id: &ElementId| deforms(mesh, id);
     let broken: [(Vec<ElementId>, &str); 2] = [
         (
             found.tangled.iter().copied().filter(turnable).collect(),
@@ -56,7 +69,7 @@ pub(super) fn check(
         (found.degenerate.iter().copied().filter(turnable).collect(), "no volume at a corner"),
     ];
     let before = report_broken(mesh, name, &broken, at, findings);
-    drop_loose_sides(mesh, found.dimension, name, at, findings);
+    drop_loose_sides(mesh, found.dimension, claimed, name, at, findings);
     let repaired = match repair(mesh, Merge::Never) {
         Ok(repaired) => repaired,
         Err(error) => {
@@ -79,14 +92,14 @@ pub(super) fn check(
     (before && after).then_some(())
 }
 
-/// Whether a mesh of dimension 2 lies in a plane of constant z, one of dimension 1 on a line along x.
-fn lies_in_its_space(mesh: &Mesh, dimension: usize) -> bool {
+/// Whether the elements of dimension `least` and more lie in a plane of constant z (`space` 2), on a line along x (1).
+pub(super) fn lies_in_its_space(mesh: &Mesh, least: usize, space: usize) -> bool {
     let slack = tolerance(mesh);
-    let used = mesh.blocks.iter().filter(|b| b.element.dimension() == dimension).flat_map(|b| &b.connectivity);
+    let used = mesh.blocks.iter().filter(|b| b.element.dimension() >= least).flat_map(|b| &b.connectivity);
     let mut first: Option<[f64; 3]> = None;
     used.map(|&n| mesh.nodes[n as usize]).all(|p| {
         let reference = *first.get_or_insert(p);
-        (dimension..3).all(|a| (p[a] - reference[a]).abs() <= slack)
+        (space..3).all(|a| (p[a] - reference[a]).abs() <= slack)
     })
 }
 
@@ -123,10 +136,18 @@ fn still_inverted(mesh: &Mesh, body: &str, at: &Location, findings: &mut Finding
 }
 
 /// Drops elements of lower dimension that hang on nodes of no deformable element: such nodes would have no mass.
-fn drop_loose_sides(mesh: &mut Mesh, dimension: usize, body: &str, at: &Location, findings: &mut Findings) {
+fn drop_loose_sides(
+    mesh: &mut Mesh,
+    dimension: usize,
+    claimed: &[ElementId],
+    body: &str,
+    at: &Location,
+    findings: &mut Findings,
+) {
     let mut carried = vec![false; mesh.nodes.len()];
     let deformable = mesh.blocks.iter().filter(|b| b.element.dimension() == dimension);
     deformable.flat_map(|b| &b.connectivity).for_each(|&n| carried[n as usize] = true);
+    claimed.iter().flat_map(|&id| mesh.nodes_of(id)).for_each(|&n| carried[n as usize] = true);
     let mut renumbered: Vec<Option<Vec<Option<u32>>>> = vec![None; mesh.blocks.len()];
     let mut dropped = 0;
     for (block, new) in mesh.blocks.iter_mut().zip(&mut renumbered) {

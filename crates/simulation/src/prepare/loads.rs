@@ -2,7 +2,8 @@
 //!
 //! A traction t on faces does the work of the nodal forces f_a = ∫ N_a t dA over the rest shape; as Σ N_a = 1, they sum
 //! to t times the area. The shape functions are those of the face's element, differentiated by the expression graph:
-//! dA = |∂x/∂ξ × ∂x/∂η| dξ dη on a face, dA = |∂x/∂ξ| dξ × 1 m on an edge of a plane body.
+//! dA = |∂x/∂ξ × ∂x/∂η| dξ dη on a face, dA = |∂x/∂ξ| dξ × 1 m on an edge of a plane body. A body of membranes alone is
+//! loaded on the membranes themselves.
 
 use super::Load;
 use super::error::Findings;
@@ -28,14 +29,17 @@ pub(super) fn load(place: Place<'_>, loads: &mut Vec<Load>, findings: &mut Findi
     if place.scene.tractions.is_empty() {
         return;
     }
-    let topology = match Topology::new(&place.body.mesh) {
-        Ok(topology) => topology,
-        Err(error) => {
-            findings.problem(&place.scene.mesh.at, format!("mesh of body \"{}\": {error}", *place.scene.name));
-            return;
+    let skin = if place.body.mesh.dimension() < place.body.dimension {
+        Skin::of_membranes(place)
+    } else {
+        match Topology::new(&place.body.mesh) {
+            Ok(topology) => Skin::of_solids(place, &topology),
+            Err(error) => {
+                findings.problem(&place.scene.mesh.at, format!("mesh of body \"{}\": {error}", *place.scene.name));
+                return;
+            }
         }
     };
-    let skin = Skin::new(place, &topology);
     for traction in &place.scene.tractions {
         let Some(selected) = select(place, &traction.region, Needs::Nodes, findings) else { continue };
         let Some(weights) = skin.weights(&selected.nodes) else {
@@ -67,7 +71,20 @@ struct Skin<'s> {
 }
 
 impl<'s> Skin<'s> {
-    fn new(place: Place<'s>, topology: &Topology) -> Skin<'s> {
+    /// The membranes themselves; cables have no faces.
+    fn of_membranes(place: Place<'s>) -> Skin<'s> {
+        let blocks = || place.body.mesh.blocks.iter().filter(|b| b.element.dimension() == 2);
+        let faces = blocks().flat_map(|b| (0..b.len()).map(|index| (b.element, b.nodes(index).to_vec())));
+        let mut tables: Vec<FaceTable> = Vec::new();
+        for block in blocks() {
+            if !tables.iter().any(|table| table.id == block.element.id) {
+                tables.push(FaceTable::new(block.element));
+            }
+        }
+        Skin { place, faces: faces.collect(), tables }
+    }
+
+    fn of_solids(place: Place<'s>, topology: &Topology) -> Skin<'s> {
         let mut faces = Vec::new();
         let mut tables: Vec<FaceTable> = Vec::new();
         // Faces that do not match those that they lie on are inside the body.
@@ -110,7 +127,7 @@ impl<'s> Skin<'s> {
 }
 
 /// Shape functions of a face at its quadrature points.
-struct FaceTable {
+pub(super) struct FaceTable {
     id: &'static str,
     points: Vec<FacePoint>,
 }
@@ -124,7 +141,7 @@ struct FacePoint {
 }
 
 impl FaceTable {
-    fn new(element: &'static Element) -> FaceTable {
+    pub(super) fn new(element: &'static Element) -> FaceTable {
         let mut graph = Graph::new();
         let xi = ["xi", "eta", "zeta"].map(|name| graph.symbol(name, Time::Derive));
         let shape = (element.shape)(&mut graph, xi);
@@ -139,22 +156,29 @@ impl FaceTable {
         });
         FaceTable { id: element.id, points: points.collect() }
     }
+
+    /// ∂x/∂ξ_k at each point, `[point][axis of the face]`.
+    pub(super) fn tangents(&self, positions: &[[f64; 3]]) -> Vec<Vec<[f64; 3]>> {
+        self.points.iter().map(|point| point.slopes.iter().map(|slopes| tangent(slopes, positions)).collect()).collect()
+    }
 }
 
 impl FacePoint {
     /// Area (length times 1 m) per area of the reference face.
     fn area_ratio(&self, positions: &[[f64; 3]]) -> f64 {
-        let tangent = |slopes: &Vec<f64>| -> [f64; 3] {
-            std::array::from_fn(|a| positions.iter().zip(slopes).map(|(x, slope)| x[a] * slope).sum())
-        };
         let norm = |v: [f64; 3]| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
         match self.slopes.as_slice() {
             [along, across] => {
-                let (t, s) = (tangent(along), tangent(across));
+                let (t, s) = (tangent(along, positions), tangent(across, positions));
                 norm([t[1] * s[2] - t[2] * s[1], t[2] * s[0] - t[0] * s[2], t[0] * s[1] - t[1] * s[0]])
             }
-            [along] => norm(tangent(along)),
+            [along] => norm(tangent(along, positions)),
             _ => 0.0,
         }
     }
+}
+
+/// Σ_a x_a ∂N_a/∂ξ.
+fn tangent(slopes: &[f64], positions: &[[f64; 3]]) -> [f64; 3] {
+    std::array::from_fn(|a| positions.iter().zip(slopes).map(|(x, slope)| x[a] * slope).sum())
 }

@@ -1,10 +1,12 @@
 //! Which material each element has, and the blocks of like elements that follow.
 
+use super::embedded::{Form, accepts, perpendicular, report_misfit};
 use super::error::Findings;
+use super::loads::FaceTable;
 use super::parameters::parameters;
 use super::regions::{Needs, Place, described, select};
 use souple_elements::{Element, Rule};
-use souple_laws::Law;
+use souple_laws::{Argument, Law};
 use souple_mesh::BoundingBox;
 use souple_operators::BlockSpec;
 use souple_scene::Spanned;
@@ -15,6 +17,7 @@ struct Resolved {
     law: &'static Law,
     parameters: Vec<f64>,
     viscosity: Option<[f64; 2]>,
+    form: Form,
 }
 
 /// Appends the body's elements to the blocks, in the order of the mesh.
@@ -22,35 +25,25 @@ struct Resolved {
 /// Notes elements without material, faulty parameters, and materials that apply nowhere.
 pub(super) fn group(place: Place<'_>, blocks: &mut Vec<BlockSpec>, findings: &mut Findings) {
     let (scene, body) = (place.scene, place.body);
-    let count = body.mesh.element_count();
+    let count = body.elements.len();
     let mut material_of: Vec<Option<usize>> = vec![None; count];
     let mut resolved: Vec<Option<Resolved>> = Vec::with_capacity(scene.materials.len());
     let mut sound = true;
     for (index, material) in scene.materials.iter().enumerate() {
-        match select(place, &material.region, Needs::Elements, findings) {
-            Some(selected) => selected.elements.iter().for_each(|&e| material_of[e as usize] = Some(index)),
+        let form = Form::of(material);
+        match select(place, &material.region, Needs::Anything, findings) {
+            Some(selected) => {
+                let fits = |e: &u32| form.fits(body.element(body.elements[*e as usize]), body.dimension);
+                let taken: Vec<u32> = selected.elements.into_iter().filter(fits).collect();
+                if taken.is_empty() {
+                    report_misfit(place, material, &material.at, findings);
+                    sound = false;
+                }
+                taken.iter().for_each(|&e| material_of[e as usize] = Some(index));
+            }
             None => sound = false,
         }
-        if let (USER_LAW, Some(energy)) = (material.law.value.as_str(), &material.energy) {
-            resolved.push(user_law(energy, material, findings).map(|(law, parameters)| Resolved {
-                law,
-                parameters,
-                viscosity: viscosity(material),
-            }));
-            continue;
-        }
-        let law = souple_laws::by_id(&material.law);
-        if law.is_none() && material.law.value != USER_LAW {
-            findings.problem(
-                &material.law.at,
-                format!("there is no law `{}`; `souple list laws` shows them", *material.law),
-            );
-        }
-        let material = law.and_then(|law| {
-            let parameters = parameters(law, material, findings)?;
-            Some(Resolved { law, parameters, viscosity: viscosity(material) })
-        });
-        resolved.push(material);
+        resolved.push(resolve(material, form, findings));
     }
     if !sound {
         // An element without material would only repeat that a region is wrong.
@@ -74,50 +67,105 @@ pub(super) fn group(place: Place<'_>, blocks: &mut Vec<BlockSpec>, findings: &mu
             findings.warning(&quadrature.at, message);
         }
     }
+    fill(place, &material_of, &resolved, blocks, findings);
+}
 
+/// Appends the elements with a material to the blocks.
+fn fill(
+    place: Place<'_>,
+    material_of: &[Option<usize>],
+    resolved: &[Option<Resolved>],
+    blocks: &mut Vec<BlockSpec>,
+    findings: &mut Findings,
+) {
+    let (scene, body) = (place.scene, place.body);
     let density = scene.density.value;
-    let mut number = 0;
-    for block in body.deformable() {
-        let Some(rule) = rule(place, block.element, findings) else { return };
-        // Where elements of each material of this body go; found once per kind of element.
-        let mut target: Vec<Option<usize>> = vec![None; resolved.len()];
-        for index in 0..block.len() {
-            let Some(material) = material_of[number] else {
-                number += 1;
-                continue;
-            };
-            let Some(Resolved { law, parameters, viscosity }) = &resolved[material] else {
-                number += 1;
-                continue;
-            };
-            let at = *target[material].get_or_insert_with(|| {
-                let same = |spec: &BlockSpec| {
-                    spec.element.id == block.element.id
-                        && spec.law.id == law.id
-                        && spec.rule.id == rule.id
-                        && bits(&spec.parameters) == bits(parameters)
-                        && spec.density.to_bits() == density.to_bits()
-                        && spec.viscosity == *viscosity
-                };
-                blocks.iter().position(same).unwrap_or_else(|| {
-                    blocks.push(BlockSpec {
-                        element: block.element,
-                        law,
-                        rule,
-                        parameters: parameters.clone(),
-                        density,
-                        viscosity: *viscosity,
-                        connectivity: Vec::new(),
-                        ids: Vec::new(),
-                    });
-                    blocks.len() - 1
-                })
-            });
-            blocks[at].connectivity.extend(block.nodes(index).iter().map(|&n| body.first_node + n));
-            blocks[at].ids.push(body.first_element + number as u32);
-            number += 1;
+    // The mesh's block that an element is of, with its rule and where elements of each material go.
+    let mut kind: Option<(u32, &'static Rule, Vec<Option<usize>>)> = None;
+    // Points and slopes of embedded elements, for laws with directions.
+    let mut table: Option<(&str, FaceTable)> = None;
+    for (number, (&id, material)) in (0u32..).zip(body.elements.iter().zip(material_of)) {
+        let element = body.element(id);
+        if kind.as_ref().is_none_or(|known| known.0 != id.block) {
+            let Some(rule) = rule(place, element, findings) else { return };
+            kind = Some((id.block, rule, vec![None; resolved.len()]));
         }
+        let Some((_, rule, target)) = &mut kind else { unreachable!("set above") };
+        let Some(material) = *material else { continue };
+        let Some(Resolved { law, parameters, viscosity, form }) = &resolved[material] else { continue };
+        let section = form.section();
+        let nodes = body.mesh.nodes_of(id);
+        if *form != Form::Solid && law.arguments().iter().any(|a| matches!(a, Argument::Direction { .. })) {
+            if table.as_ref().is_none_or(|known| known.0 != element.id) {
+                table = Some((element.id, FaceTable::new(element)));
+            }
+            let positions: Vec<[f64; 3]> = nodes.iter().map(|&n| body.mesh.nodes[n as usize]).collect();
+            let (_, table) = table.as_ref().expect("made above");
+            if let Some(name) = perpendicular(law, parameters, table, &positions) {
+                let message = format!(
+                    "`{name}` is perpendicular to {}: on membranes and cables the direction is taken along the element, and \
+                     nothing is left of it there; turn it, or give these elements another material",
+                    super::described(&body.mesh, &body.name, id)
+                );
+                findings.problem(&scene.materials[material].at, message);
+                return;
+            }
+        }
+        let at = *target[material].get_or_insert_with(|| {
+            let same = |spec: &BlockSpec| {
+                spec.element.id == element.id
+                    && spec.law.id == law.id
+                    && spec.rule.id == rule.id
+                    && bits(&spec.parameters) == bits(parameters)
+                    && spec.density.to_bits() == density.to_bits()
+                    && spec.viscosity == *viscosity
+                    && spec.section.to_bits() == section.to_bits()
+            };
+            blocks.iter().position(same).unwrap_or_else(|| {
+                blocks.push(BlockSpec {
+                    element,
+                    law,
+                    rule,
+                    parameters: parameters.clone(),
+                    density,
+                    viscosity: *viscosity,
+                    section,
+                    connectivity: Vec::new(),
+                    ids: Vec::new(),
+                });
+                blocks.len() - 1
+            })
+        });
+        blocks[at].connectivity.extend(nodes.iter().map(|&n| body.first_node + n));
+        blocks[at].ids.push(body.first_element + number);
     }
+}
+
+/// The law of a material with its parameters; `None` after a problem was noted.
+fn resolve(material: &Material, form: Form, findings: &mut Findings) -> Option<Resolved> {
+    let (law, parameters) = match (material.law.value.as_str(), &material.energy) {
+        (USER_LAW, Some(energy)) => user_law(energy, material, findings)?,
+        _ => {
+            let law = souple_laws::by_id(&material.law);
+            if law.is_none() && material.law.value != USER_LAW {
+                findings.problem(
+                    &material.law.at,
+                    format!("there is no law `{}`; `souple list laws` shows them", *material.law),
+                );
+            }
+            (law?, parameters(law?, material, findings)?)
+        }
+    };
+    if form != Form::Solid && !accepts(law, &material.law.at, findings) {
+        return None;
+    }
+    if let (Some(viscosity), false) = (&material.viscosity, form == Form::Solid) {
+        let message = "viscosity is for solids: membranes and cables have none yet; remove it here, or damp the motion with \
+                       `velocity_damping` or `rayleigh` in [integrator]";
+        findings.problem(&viscosity.at, message);
+        return None;
+    }
+    Some(Resolved { law, parameters, viscosity: viscosity(material), form })
 }
 
 /// The law that a material's energy describes, with the values of its parameters.

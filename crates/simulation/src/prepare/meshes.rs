@@ -5,8 +5,10 @@
 //! every node belongs to a deformable element
 //! ```
 
+use super::PreparedBody;
 use super::check::check;
 use super::constraints;
+use super::embedded;
 use super::error::Findings;
 use souple_mesh::bar::{self, BarError, BarSpec, MismatchKind, Section, Split};
 use souple_mesh::constraint::Conformity;
@@ -22,15 +24,36 @@ use souple_scene::{Location, choice};
 pub(super) type Read<'a> = &'a mut dyn FnMut(&str) -> Result<Vec<u8>, String>;
 
 /// The mesh of a body, what makes it conform, and what was done to get it; `None` after a problem was noted.
-pub(super) fn mesh_of(body: &Body, read: Read<'_>, findings: &mut Findings) -> Option<(Mesh, Conformity, String)> {
+pub(super) fn mesh_of(body: &Body, read: Read<'_>, findings: &mut Findings) -> Option<PreparedBody> {
     let name = &body.name.value;
     let at = place(body);
-    let (mut mesh, mut report) = match &body.mesh.value {
+    let (mesh, report) = match &body.mesh.value {
         MeshSource::Bar(bar) => generated(bar, body, findings)?,
         MeshSource::File(file) => from_file(file, name, read, findings)?,
     };
-    check(&mut mesh, &mut report, body, at, findings)?;
-    let topology = match Topology::new(&mesh) {
+    let dimension = embedded::space(body, &mesh);
+    let mut prepared = PreparedBody {
+        name: name.clone(),
+        mesh,
+        first_node: 0,
+        first_element: 0,
+        elements: Vec::new(),
+        dimension,
+        conformity: Conformity::default(),
+        report,
+    };
+    let claimed = embedded::claimed(body, &prepared);
+    check(&mut prepared, &claimed, body, at, findings)?;
+    // Elements that hang on nothing are gone, and the others have moved up.
+    let highest = prepared.mesh.dimension();
+    let ids = prepared.mesh.element_ids();
+    prepared.elements = ids.filter(|id| prepared.element(*id).dimension() == highest).collect();
+    prepared.elements.extend(embedded::claimed(body, &prepared));
+    // Surfaces and lines in space may branch: nothing is asked of their gluing, and nothing makes it conform.
+    if highest < dimension {
+        return Some(prepared);
+    }
+    let topology = match Topology::new(&prepared.mesh) {
         Ok(topology) => topology,
         Err(error) => {
             findings.problem(at, format!("mesh of body \"{name}\": {error}"));
@@ -40,8 +63,9 @@ pub(super) fn mesh_of(body: &Body, read: Read<'_>, findings: &mut Findings) -> O
     if matches!(body.mesh.value, MeshSource::File(_)) {
         warn_of_interfaces(&topology, body, at, findings);
     }
-    let conformity = constraints::of_body(&mesh, &topology, body, at, &mut report, findings)?;
-    Some((mesh, conformity, report))
+    let PreparedBody { mesh, report, .. } = &mut prepared;
+    prepared.conformity = constraints::of_body(mesh, &topology, body, at, report, findings)?;
+    Some(prepared)
 }
 
 /// Where the scene says what the mesh is.

@@ -17,6 +17,7 @@ mod catalogue;
 mod check;
 mod conditions;
 mod constraints;
+mod embedded;
 mod error;
 pub mod judge;
 mod loads;
@@ -33,15 +34,16 @@ pub use error::{PrepareError, PrepareProblem};
 
 use error::Findings;
 use regions::Place;
+use souple_elements::Element;
 use souple_mesh::constraint::{Conformity, Constraint};
-use souple_mesh::{Block, ElementId, Mesh};
+use souple_mesh::{ElementId, Mesh};
 use souple_operators::BlockSpec;
 use souple_scene::{Location, Scene};
 
 /// A scene with its meshes read and its regions found. Nodes of all bodies are numbered one after the other.
 #[derive(Clone, Debug)]
 pub struct Prepared {
-    /// Number of space dimensions: those of the elements (2 means plane strain).
+    /// Number of space dimensions: those of the elements that fill their space (2 means plane strain); 3 with membranes.
     pub dimension: usize,
     /// The bodies' meshes, nodes that no element uses dropped, in scene order.
     pub bodies: Vec<PreparedBody>,
@@ -72,9 +74,13 @@ pub struct PreparedBody {
     pub mesh: Mesh,
     /// Global index of its first node.
     pub first_node: u32,
-    /// Global number ([`BlockSpec::ids`]) of its first deformable element; they follow the order of the mesh's blocks
-    /// of the highest dimension.
+    /// Global number ([`BlockSpec::ids`]) of its first deformable element.
     pub first_element: u32,
+    /// Its deformable elements in the order in which they are numbered: those of the mesh's highest dimension, then those
+    /// of lower dimension that a material makes membranes or cables; each part in the order of the mesh.
+    pub elements: Vec<ElementId>,
+    /// Number of space dimensions; more than the mesh's highest one for a body of membranes or cables alone.
+    pub dimension: usize,
     /// What makes the mesh conform, by nodes of the mesh; nothing where the scene wants it left as it is.
     pub conformity: Conformity,
     /// What reading or generating the mesh had to report, in words.
@@ -152,37 +158,55 @@ pub fn prepare(
     Ok((prepared, warnings))
 }
 
-/// The bodies with their meshes, `None` where there was a problem, and the dimension of their elements.
+/// The bodies with their meshes, `None` where there was a problem, and the dimension of their space.
 fn bodies(scene: &Scene, read: meshes::Read<'_>, findings: &mut Findings) -> (Vec<Option<PreparedBody>>, usize) {
-    let mut bodies: Vec<Option<PreparedBody>> = Vec::with_capacity(scene.bodies.len());
-    let (mut first_node, mut first_element) = (0u32, 0u32);
+    let mut bodies: Vec<Option<PreparedBody>> =
+        scene.bodies.iter().map(|body| meshes::mesh_of(&body.value, read, findings)).collect();
+    // Bodies of cables alone fit into any space but a line: they follow the others.
+    let free: Vec<bool> =
+        bodies.iter().map(|b| b.as_ref().is_some_and(|b| b.mesh.dimension() == 1 && b.dimension > 1)).collect();
     let mut first: Option<(usize, String, Location)> = None;
-    for body in &scene.bodies {
-        let Some((mesh, conformity, report)) = meshes::mesh_of(body, read, findings) else {
-            bodies.push(None);
-            continue;
-        };
-        let (at, name, dimension) = (meshes::place(body), &body.name.value, mesh.dimension());
-        let (known, other, place) = first.get_or_insert_with(|| (dimension, name.clone(), at.clone()));
-        if *known != dimension {
+    let fixed_first = (0..bodies.len()).filter(|&k| !free[k]).chain((0..bodies.len()).filter(|&k| free[k]));
+    for k in fixed_first.collect::<Vec<_>>() {
+        let Some(body) = &mut bodies[k] else { continue };
+        let at = meshes::place(&scene.bodies[k]);
+        let (known, other, place) = first.get_or_insert_with(|| (body.dimension, body.name.clone(), at.clone()));
+        let name = &body.name;
+        if free[k] && *known == 2 {
+            if !check::lies_in_its_space(&body.mesh, 1, 2) {
+                let message = format!(
+                    "the cables of body \"{name}\" do not lie in one plane of constant z, and body \"{other}\" ({place}) is \
+                     a plane one; put them into that plane, or make separate scenes"
+                );
+                findings.problem(at, message);
+                bodies[k] = None;
+            } else {
+                body.dimension = 2;
+            }
+        } else if *known != body.dimension {
             let message = format!(
-                "body \"{name}\" has elements of dimension {dimension}, body \"{other}\" ({place}) of dimension {known}; \
-                 all bodies of a scene have one dimension: make separate scenes"
+                "body \"{name}\" has elements of dimension {}, body \"{other}\" ({place}) of dimension {known}; \
+                 all bodies of a scene have one dimension: make separate scenes, or give faces a `thickness` and edges a \
+                 `section` in their [[body.material]] to put them into space",
+                body.dimension
             );
             findings.problem(at, message);
-            bodies.push(None);
-            continue;
+            bodies[k] = None;
         }
+    }
+    let (mut first_node, mut first_element) = (0u32, 0u32);
+    for (slot, scene) in bodies.iter_mut().zip(&scene.bodies) {
+        let Some(body) = slot else { continue };
+        (body.first_node, body.first_element) = (first_node, first_element);
         let count = |first: u32, more: usize| u32::try_from(more).ok().and_then(|more| first.checked_add(more));
         let (Some(next_node), Some(next_element)) =
-            (count(first_node, mesh.nodes.len()), count(first_element, mesh.element_count()))
+            (count(first_node, body.mesh.nodes.len()), count(first_element, body.elements.len()))
         else {
-            let message = format!("with body \"{name}\" the scene has more than {} nodes or elements", u32::MAX);
-            findings.problem(at, message);
-            bodies.push(None);
+            let message = format!("with body \"{}\" the scene has more than {} nodes or elements", body.name, u32::MAX);
+            findings.problem(meshes::place(scene), message);
+            *slot = None;
             continue;
         };
-        bodies.push(Some(PreparedBody { name: name.clone(), mesh, first_node, first_element, conformity, report }));
         (first_node, first_element) = (next_node, next_element);
     }
     // Without any mesh there is a problem already, and nothing depends on the dimension.
@@ -205,35 +229,34 @@ impl Prepared {
 }
 
 impl PreparedBody {
-    /// The blocks of the elements that deform: those of the highest dimension, in the order in which they are numbered.
-    pub fn deformable(&self) -> impl Iterator<Item = &Block> {
-        let dimension = self.mesh.dimension();
-        self.mesh.blocks.iter().filter(move |block| block.element.dimension() == dimension)
+    /// Kinds of deformable elements with their numbers, in the order of the numbering.
+    pub fn kinds(&self) -> Vec<(&'static Element, usize)> {
+        let mut kinds: Vec<(&'static Element, usize)> = Vec::new();
+        for id in &self.elements {
+            let element = self.element(*id);
+            match kinds.iter_mut().find(|known| known.0.id == element.id) {
+                Some(known) => known.1 += 1,
+                None => kinds.push((element, 1)),
+            }
+        }
+        kinds
     }
 
-    /// Number of a deformable element, from 0 in this body; `None` for elements of lower dimension.
-    pub fn number_in_body(&self, id: ElementId) -> Option<u32> {
-        let dimension = self.mesh.dimension();
-        let block = self.mesh.blocks.get(id.block as usize)?;
-        if block.element.dimension() != dimension || id.index as usize >= block.len() {
-            return None;
-        }
-        let before = &self.mesh.blocks[..id.block as usize];
-        let skipped: usize = before.iter().filter(|b| b.element.dimension() == dimension).map(Block::len).sum();
-        Some(skipped as u32 + id.index)
+    /// What an element of the mesh is.
+    pub fn element(&self, id: ElementId) -> &'static Element {
+        self.mesh.blocks[id.block as usize].element
+    }
+
+    /// Number of each deformable element from 0 in this body, by the elements' ids, sorted.
+    pub fn numbers(&self) -> Vec<(ElementId, u32)> {
+        let mut numbers: Vec<(ElementId, u32)> = self.elements.iter().copied().zip(0..).collect();
+        numbers.sort_unstable();
+        numbers
     }
 
     /// The element of the mesh with this number in the body; `None` when there are fewer.
     pub fn id_in_body(&self, number: u32) -> Option<ElementId> {
-        let dimension = self.mesh.dimension();
-        let mut rest = number;
-        for (block, b) in (0u32..).zip(&self.mesh.blocks).filter(|(_, b)| b.element.dimension() == dimension) {
-            if (rest as usize) < b.len() {
-                return Some(ElementId { block, index: rest });
-            }
-            rest -= b.len() as u32;
-        }
-        None
+        self.elements.get(number as usize).copied()
     }
 }
 

@@ -1,12 +1,12 @@
 //! From regions of a scene to nodes and elements of a body.
 //!
 //! Names are looked up among the body's own regions first, then among those of its mesh.
-//! Which elements deform is known here: a selection's elements are those of the highest dimension only.
+//! A selection's elements are those that deform: not the sides of others that only name regions.
 
 use super::PreparedBody;
 use super::error::Findings;
-use souple_mesh::BoundingBox;
 use souple_mesh::region::{RegionSpec, evaluate};
+use souple_mesh::{BoundingBox, ElementId};
 use souple_scene::body::Body;
 use souple_scene::suggestion::nearest;
 use souple_scene::{Location, Region, Selection};
@@ -71,8 +71,17 @@ impl Selected {
 pub(super) fn find(place: Place<'_>, region: &Region) -> Result<Selected, (Location, String)> {
     let spec = spec(place, region, 0)?;
     let found = evaluate(&place.body.mesh, &spec).map_err(|error| (region.at.clone(), error.to_string()))?;
-    let elements = found.elements.iter().filter_map(|&id| place.body.number_in_body(id)).collect();
+    let numbers = place.body.numbers();
+    let number = |id: &ElementId| numbers.binary_search_by_key(id, |n| n.0).ok().map(|at| numbers[at].1);
+    let mut elements: Vec<u32> = found.elements.iter().filter_map(number).collect();
+    elements.sort_unstable();
     Ok(Selected { nodes: found.nodes, elements })
+}
+
+/// All elements of the mesh in a region, those that do not deform included; none when the region has no meaning.
+pub(super) fn all_elements(place: Place<'_>, region: &Region) -> Vec<ElementId> {
+    let found = spec(place, region, 0).ok().and_then(|spec| evaluate(&place.body.mesh, &spec).ok());
+    found.map(|found| found.elements).unwrap_or_default()
 }
 
 /// The region in the words of the mesh, the body's own regions put in.
