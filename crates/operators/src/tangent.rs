@@ -46,13 +46,15 @@ impl Elements {
 
     /// Computes the moduli at `u` and makes them positive.
     pub(crate) fn project_moduli(&mut self, u: &[f64]) {
+        let dimension = self.dimension;
         for block in &mut self.blocks {
             let companion = block.projected.as_ref().expect("projected tangents have their programs");
             let kernel = companion.moduli.clone().expect("the projected family computes moduli");
             block.run(&kernel, Family::Projected, Some(u), None, Destination::Moduli, &self.threads, &mut self.scratch);
             let output = &kernel.program().outputs[0];
             let (entries, rows) = (output.len, output.total(kernel.program().points));
-            let size = block.spec.element.dimension().pow(2);
+            // Entries of H: rows for the axes of space, columns for those of the element.
+            let size = dimension * block.spec.element.dimension();
             let companion = block.projected.as_mut().expect("as above");
             let mut tasks: Vec<&mut [f64]> = companion.given.chunks_mut(64 * rows * LANES).collect();
             self.threads.run(&mut tasks, |groups| {

@@ -9,6 +9,7 @@ mod blocks;
 mod counts;
 mod derivatives;
 mod determinism;
+mod embedded;
 mod goldens;
 mod invariance;
 mod masses;

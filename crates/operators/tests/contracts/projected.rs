@@ -22,9 +22,9 @@ fn projected_tangents_are_positive_where_exact_ones_are_not() {
     for (k, (element, law, rule)) in with_default_rules().enumerate() {
         let name = format!("{} / {}", element.id, law.id);
         let mut random = Random::new(k as u64);
-        let nodes = skewed(element);
+        let nodes = skewed(element, element.dimension());
         let d = element.dimension();
-        let (mut elements, _) = one_element(element, law, rule, &nodes, 1.0);
+        let (mut elements, _) = one_element(element, law, rule, element.dimension(), &nodes, 1.0);
         // Shortened by a third along the first axis: stiff, and short of every buckling load but that of the material.
         let u: Vec<f64> = nodes.iter().flat_map(|x| (0..d).map(|i| if i == 0 { -0.35 * x[0] } else { 0.0 })).collect();
         let directions: Vec<Vec<f64>> =
@@ -54,8 +54,8 @@ fn projected_tangents_are_positive_where_exact_ones_are_not() {
 fn projected_tangents_are_the_exact_ones_at_rest() {
     for (k, (element, law, rule)) in with_default_rules().enumerate() {
         let mut random = Random::new(k as u64);
-        let nodes = skewed(element);
-        let (mut elements, _) = one_element(element, law, rule, &nodes, 1.0);
+        let nodes = skewed(element, element.dimension());
+        let (mut elements, _) = one_element(element, law, rule, element.dimension(), &nodes, 1.0);
         let rest = vec![0.0; elements.len()];
         let v: Vec<f64> = rest.iter().map(|_| random.between(-1.0, 1.0)).collect();
         let exact = stiffness(&mut elements, &rest, &v);

@@ -23,7 +23,7 @@ struct Viscous {
 impl Viscous {
     fn new(element: &'static Element, rule: &'static Rule, seed: u64) -> Viscous {
         let mut random = Random::new(seed);
-        let nodes = distorted(element, &mut random);
+        let nodes = distorted(element, element.dimension(), &mut random);
         // The elastic law is one for small strains: viscosity must not need one that is not.
         let law = souple_laws::by_id("hooke").unwrap();
         let spec = BlockSpec {
@@ -39,7 +39,8 @@ impl Viscous {
         };
         let threads = Arc::new(Threads::new(1).unwrap());
         let (elements, masses) =
-            Elements::new(element.dimension(), &nodes, vec![spec], &Interpreter::default(), threads, Costs::default()).unwrap();
+            Elements::new(element.dimension(), &nodes, vec![spec], &Interpreter::default(), threads, Costs::default())
+                .unwrap();
         let volume = masses.lumped.iter().sum();
         Viscous { element, nodes, elements, volume, random }
     }

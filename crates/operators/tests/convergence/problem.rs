@@ -46,7 +46,8 @@ pub(crate) fn solve(
         ids: (0..mesh.blocks[0].len() as u32).collect(),
     };
     let threads = Arc::new(Threads::new(1).unwrap());
-    let (mut elements, _) = Elements::new(mesh.dimension(), &mesh.nodes, vec![spec], &Cpu::open(), threads, Costs::default()).unwrap();
+    let (mut elements, _) =
+        Elements::new(mesh.dimension(), &mesh.nodes, vec![spec], &Cpu::open(), threads, Costs::default()).unwrap();
 
     let points = Points::new(&mesh, field);
     let loads = points.loads(&mesh, d);

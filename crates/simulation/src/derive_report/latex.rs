@@ -315,7 +315,7 @@ fn number(x: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::derive_report::{Costs, Loops, derive};
+    use crate::derive_report::{Costs, derive};
 
     fn document(element: &str, law: &str) -> String {
         let element = souple_elements::by_id(element).unwrap();

@@ -402,7 +402,7 @@ fn meshes_that_cannot_be_used_are_errors_at_the_mesh() {
     let shell: [(u32, &[u32]); 2] = [(2, &[1, 2, 3]), (2, &[1, 2, 4])];
     for (bytes, part) in [
         (msh(&far, &[(4, &[1, 2, 3, 4])]), "every coordinate must be finite"),
-        (msh(&CORNERS, &shell), "shells and cables are not supported yet"),
+        (msh(&CORNERS, &shell), "a `thickness` in their [[body.material]]"),
         (msh(&CORNERS, &[]), "has no element"),
         (b"nonsense".to_vec(), "lump.msh"),
     ] {
