@@ -21,7 +21,7 @@ const TASK: usize = 64;
 
 /// Everything that the elements of a model compute.
 pub struct Elements {
-    dimension: usize,
+    pub(crate) dimension: usize,
     node_count: usize,
     pub(crate) blocks: Vec<Block>,
     pub(crate) tangent: Tangent,
