@@ -42,11 +42,11 @@ pub struct Averages {
 pub fn averages(definition: &Definition, law: &Law) -> Averages {
     let mut graph = definition.graph.clone();
     let g = &mut graph;
-    let Local { variables, stress, strain, ratio } = match &definition.embedding {
+    let Local { variables, weighted_stress, strain, ratio } = match &definition.embedding {
         None => solid(g, definition, law),
         Some(embedding) => embedded(g, definition, embedding, law),
     };
-    let mut values = symmetric_part(g, &stress);
+    let mut values = symmetric_part(g, &weighted_stress);
     values.extend(symmetric_part(g, &strain));
     values.push(ratio);
 
@@ -86,7 +86,7 @@ pub fn averages(definition: &Definition, law: &Law) -> Averages {
 struct Local {
     variables: Vec<Variable>,
     /// Stress times the volume ratio, which an average over the deformed volume multiplies it by; 3 × 3.
-    stress: Matrix,
+    weighted_stress: Matrix,
     /// Green–Lagrange strain, 3 × 3.
     strain: Matrix,
     ratio: Expr,
@@ -119,14 +119,14 @@ fn solid(g: &mut Graph, definition: &Definition, law: &Law) -> Local {
     let identity = Matrix::identity(g, 3);
     let position_gradient = identity.add(g, &gradient);
     let ratio = position_gradient.determinant(g);
-    let stress = if law.objective { piola.matmul(g, &position_gradient.transpose()) } else { piola };
+    let weighted_stress = if law.objective { piola.matmul(g, &position_gradient.transpose()) } else { piola };
     let cauchy_green = position_gradient.transpose().matmul(g, &position_gradient);
     let strain = cauchy_green.sub(g, &identity).scale(g, Number::rational(1, 2));
     let variables = (0..9)
         .map(|k| (k / 3, k % 3))
         .map(|(i, j)| Variable { symbol: gradient.at(i, j), at: (i < d && j < d).then_some((i, j)) })
         .collect();
-    Local { variables, stress, strain, ratio }
+    Local { variables, weighted_stress, strain, ratio }
 }
 
 fn embedded(g: &mut Graph, definition: &Definition, embedding: &Embedding, law: &Law) -> Local {
@@ -138,7 +138,7 @@ fn embedded(g: &mut Graph, definition: &Definition, embedding: &Embedding, law: 
     let (full, frame) = (padded(gradient), padded(tangents));
     let piola = Matrix::from_fn(3, |i, j| if i < d && j < e { definition.stress[i * e + j] } else { zero });
     let position_gradient = if law.objective { frame.add(g, &full) } else { frame.clone() };
-    let stress = piola.matmul(g, &position_gradient.transpose());
+    let weighted_stress = piola.matmul(g, &position_gradient.transpose());
     // The strain across multiplies the identity, that along less the strain across the tangents.
     let across = embedding.strain.at(2, 2);
     let identity = Matrix::identity(g, 3);
@@ -151,7 +151,7 @@ fn embedded(g: &mut Graph, definition: &Definition, embedding: &Embedding, law: 
         .map(|k| (k / e, k % e))
         .map(|(i, j)| Variable { symbol: gradient.at(i, j), at: Some((i, j)) })
         .collect();
-    Local { variables, stress, strain, ratio: embedding.volume_ratio }
+    Local { variables, weighted_stress, strain, ratio: embedding.volume_ratio }
 }
 
 /// Entries of the symmetric part (A + Aᵀ)/2 as in [`SYMMETRIC`]: of a symmetric tensor, free of its roundings.
