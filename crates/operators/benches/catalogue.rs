@@ -24,11 +24,11 @@ fn main() {
         for &law in laws {
             let rule = element.default_rule();
             let start = Instant::now();
-            let definition = define(element, law, rule, Loops::Rolled);
+            let definition = define(element, law, rule, Loops::Rolled, element.dimension());
             defining += start.elapsed();
             drop(definition);
             let start = Instant::now();
-            let derived = derive(Association { element, law, rule, loops: Loops::Rolled }, Costs::default());
+            let derived = derive(Association { rule, ..Association::new(element, law) }, Costs::default());
             let time = start.elapsed();
             drop(derived);
             row += &format!("{:>8.1}", 1e3 * time.as_secs_f64());
