@@ -15,7 +15,7 @@ fn solid() -> &'static Element {
 /// Parameters well inside their ranges.
 fn parameters(law: &Law) -> Vec<f64> {
     let limit = |b: Bound| match b {
-        Bound::None => None,
+        Bound::None | Bound::NonZero => None,
         Bound::Open(v) | Bound::Closed(v) => Some(v),
     };
     let inside = |low: Option<f64>, high: Option<f64>| match (low, high) {
