@@ -11,6 +11,7 @@
 
 use crate::csr::Csr;
 use crate::operator::LinearOperator;
+use crate::vectors::{Rows, widest};
 use std::ops::Range;
 
 /// A square sparse matrix of b × b blocks with a fixed pattern.
@@ -176,10 +177,40 @@ impl BlockCsr {
         match self.block {
             1 => self.multiply_rows_of::<1>(rows, x, y),
             2 => self.multiply_rows_of::<2>(rows, x, y),
-            3 => self.multiply_rows_of::<3>(rows, x, y),
+            3 => self.multiply_rows_of_three(rows, None, x, y),
             6 => self.multiply_rows_of::<6>(rows, x, y),
             _ => self.multiply_rows_of_any(rows, x, y),
         }
+    }
+
+    /// y ← rows of (k A + m M) x with a diagonal M of one entry per unknown, where `y` holds the entries of those rows
+    /// only: the matrix of an implicit step without making it.
+    ///
+    /// # Panics
+    /// When `diagonal` is shorter than the matrix has rows.
+    pub fn multiply_rows_shifted(
+        &self,
+        rows: Range<usize>,
+        [k, m]: [f64; 2],
+        diagonal: &[f64],
+        x: &[f64],
+        y: &mut [f64],
+    ) {
+        if self.block == 3 {
+            self.multiply_rows_of_three(rows, Some((k, m, diagonal)), x, y);
+            return;
+        }
+        let entries = rows.start * self.block..rows.end * self.block;
+        self.multiply_rows(rows, x, y);
+        for ((y, x), d) in y.iter_mut().zip(&x[entries.clone()]).zip(&diagonal[entries]) {
+            *y = k * *y + m * d * x;
+        }
+    }
+
+    fn multiply_rows_of_three(&self, rows: Range<usize>, shift: Option<(f64, f64, &[f64])>, x: &[f64], y: &mut [f64]) {
+        let y = &mut y[..3 * rows.len()];
+        let row_start = &self.row_start[rows.start..=rows.end];
+        widest(Rows { first: rows.start, row_start, columns: &self.columns, values: &self.values, x, y, shift });
     }
 
     /// The product for a block size known to the compiler, which then keeps the row's sums in registers.

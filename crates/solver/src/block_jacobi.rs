@@ -6,6 +6,7 @@
 
 use crate::operator::{Preconditioner, positive_reciprocal};
 use crate::small_dense::{cholesky, cholesky_solve};
+use crate::vectors::{Diagonal, widest};
 
 /// Inverses of the diagonal blocks of a matrix.
 #[derive(Clone, Debug)]
@@ -80,9 +81,18 @@ impl BlockJacobi {
 }
 
 impl Preconditioner for BlockJacobi {
+    fn apply_part(&self, first: usize, r: &[f64], z: &mut [f64]) -> bool {
+        if self.block != 3 || !first.is_multiple_of(3) {
+            return false;
+        }
+        let blocks = &self.inverse[3 * first..3 * (first + r.len())];
+        widest(Diagonal { blocks, r, z });
+        true
+    }
+
     fn apply(&self, r: &[f64], z: &mut [f64]) {
         match self.block {
-            3 => multiply_blocks::<3>(&self.inverse, r, z),
+            3 => widest(Diagonal { blocks: &self.inverse, r, z }),
             b => {
                 for ((z, r), inverse) in
                     z.chunks_exact_mut(b).zip(r.chunks_exact(b)).zip(self.inverse.chunks_exact(b * b))
@@ -92,22 +102,6 @@ impl Preconditioner for BlockJacobi {
                     }
                 }
             }
-        }
-    }
-}
-
-/// The product for a block size known to the compiler, which then unrolls it.
-fn multiply_blocks<const B: usize>(inverse: &[f64], r: &[f64], z: &mut [f64]) {
-    let (z, _) = z.as_chunks_mut::<B>();
-    let (r, _) = r.as_chunks::<B>();
-    let (rows, _) = inverse.as_chunks::<B>();
-    for ((z, r), rows) in z.iter_mut().zip(r).zip(rows.chunks_exact(B)) {
-        for i in 0..B {
-            let mut sum = 0.0;
-            for j in 0..B {
-                sum += rows[i][j] * r[j];
-            }
-            z[i] = sum;
         }
     }
 }

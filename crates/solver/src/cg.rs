@@ -12,7 +12,7 @@
 //! of the direction, and an iterate whose residual is not finite is never taken.
 
 use crate::operator::{LinearOperator, Preconditioner, Projector};
-use crate::vector::VectorOps;
+use crate::vector::{PairwiseSum, SUM_BLOCK, VectorOps, block_dot};
 
 /// When to stop.
 #[derive(Clone, Debug, PartialEq)]
@@ -164,9 +164,7 @@ pub fn cg(
 
     let mut norm = initial_residual;
     for iteration in 0..options.max_iterations {
-        operator.apply(p, q);
-        projector.project(q);
-        let p_a_p = ops.dot(p, q);
+        let p_a_p = operator.apply_and_dot(projector, p, q);
         if !p_a_p.is_finite() {
             return report(iteration, norm, LinearStatus::NotFinite);
         }
@@ -177,7 +175,8 @@ pub fn cg(
             return report(iteration, norm, LinearStatus::NegativeCurvature { p_a_p });
         }
         let alpha = rz / p_a_p;
-        rr = ops.axpy_norm2(-alpha, q, r);
+        let descended = descend(preconditioner, projector, ops, -alpha, q, r, z);
+        rr = descended.0;
         if !rr.is_finite() {
             return report(iteration, norm, LinearStatus::NotFinite);
         }
@@ -186,9 +185,7 @@ pub fn cg(
             ops.axpy(alpha, p, x);
             return report(iteration + 1, norm, LinearStatus::Converged);
         }
-        preconditioner.apply(r, z);
-        projector.project(z);
-        let rz_next = ops.dot(r, z);
+        let rz_next = descended.1;
         if let Some(status) = preconditioner_fault(rz_next) {
             ops.axpy(alpha, p, x);
             return report(iteration + 1, norm, status);
@@ -197,6 +194,36 @@ pub fn cg(
         rz = rz_next;
     }
     report(options.max_iterations, norm, LinearStatus::MaxIterations)
+}
+
+/// r ← r + a q, z ← P M⁻¹ r; returns r · r and r · z. One pass over memory where the preconditioner works part by part.
+fn descend(
+    preconditioner: &dyn Preconditioner,
+    projector: &dyn Projector,
+    ops: &dyn VectorOps,
+    a: f64,
+    q: &[f64],
+    r: &mut [f64],
+    z: &mut [f64],
+) -> (f64, f64) {
+    let (mut rr, mut rz) = (PairwiseSum::new(), PairwiseSum::new());
+    let mut in_parts = true;
+    let parts = q.chunks(SUM_BLOCK).zip(r.chunks_mut(SUM_BLOCK)).zip(z.chunks_mut(SUM_BLOCK));
+    for (part, ((q, r), z)) in parts.enumerate() {
+        ops.axpy(a, q, r);
+        rr.push(block_dot(r, r));
+        let first = part * SUM_BLOCK;
+        in_parts = in_parts && preconditioner.apply_part(first, r, z) && projector.project_part(first, z);
+        if in_parts {
+            rz.push(block_dot(r, z));
+        }
+    }
+    if in_parts {
+        return (rr.total(), rz.total());
+    }
+    preconditioner.apply(r, z);
+    projector.project(z);
+    (rr.total(), ops.dot(r, z))
 }
 
 /// r ← P (b − A x), with `q` as scratch.

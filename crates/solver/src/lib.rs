@@ -47,6 +47,7 @@ pub mod step;
 #[cfg(feature = "direct")]
 pub mod supernodal;
 pub mod vector;
+mod vectors;
 
 pub use block_csr::{BlockCsr, PatternError};
 pub use block_jacobi::BlockJacobi;

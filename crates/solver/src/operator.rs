@@ -4,6 +4,8 @@
 //! `Mutex`), so that one operator can serve several solvers.
 //! Two preconditioners so small that they need no file of their own are here: [`Identity`] and [`Jacobi`].
 
+use crate::vector::{PairwiseSum, SUM_BLOCK, Serial, VectorOps, block_dot};
+
 /// A square matrix, known by its products.
 pub trait LinearOperator {
     /// Number of rows and columns.
@@ -16,18 +18,61 @@ pub trait LinearOperator {
 
     /// y ← A x
     fn apply(&self, x: &[f64], y: &mut [f64]);
+
+    /// q ← P A p, and returns p · q, summed as [`VectorOps::dot`](crate::vector::VectorOps::dot) sums.
+    ///
+    /// An operator whose rows are independent does it in one pass over memory ([`product_in_parts`]).
+    fn apply_and_dot(&self, projector: &dyn Projector, p: &[f64], q: &mut [f64]) -> f64 {
+        self.apply(p, q);
+        projector.project(q);
+        Serial.dot(p, q)
+    }
+}
+
+/// [`LinearOperator::apply_and_dot`] from a product `rows(first, q)` that writes the entries from `first` on: each part
+/// is projected and summed while it is in the nearest cache. Parts have [`SUM_BLOCK`] entries.
+pub fn product_in_parts(
+    projector: &dyn Projector,
+    p: &[f64],
+    q: &mut [f64],
+    mut rows: impl FnMut(usize, &mut [f64]),
+) -> f64 {
+    let mut sum = PairwiseSum::new();
+    let mut in_parts = true;
+    for (part, (p, q)) in p.chunks(SUM_BLOCK).zip(q.chunks_mut(SUM_BLOCK)).enumerate() {
+        rows(part * SUM_BLOCK, q);
+        in_parts = in_parts && projector.project_part(part * SUM_BLOCK, q);
+        sum.push(block_dot(p, q));
+    }
+    if in_parts {
+        return sum.total();
+    }
+    projector.project(q);
+    Serial.dot(p, q)
 }
 
 /// A symmetric positive definite approximation of the inverse of a matrix.
 pub trait Preconditioner {
     /// z ← M⁻¹ r
     fn apply(&self, r: &[f64], z: &mut [f64]);
+
+    /// The same for the entries from `first` on, given those of r alone; whether it could. `false`, as of a
+    /// preconditioner that couples all unknowns, leaves z untouched, and is the answer for every part.
+    fn apply_part(&self, _first: usize, _r: &[f64], _z: &mut [f64]) -> bool {
+        false
+    }
 }
 
 /// An orthogonal projection P = Pᵀ = P² onto the free directions: what eliminates constraints exactly.
 pub trait Projector {
     /// v ← P v
     fn project(&self, v: &mut [f64]);
+
+    /// The same for the entries from `first` on, given those of v alone; whether it could. `false`, as of a projection
+    /// that couples all unknowns, leaves v untouched, and is the answer for every part.
+    fn project_part(&self, _first: usize, _v: &mut [f64]) -> bool {
+        false
+    }
 }
 
 /// Every direction is free.
@@ -36,6 +81,10 @@ pub struct NoProjection;
 
 impl Projector for NoProjection {
     fn project(&self, _v: &mut [f64]) {}
+
+    fn project_part(&self, _first: usize, _v: &mut [f64]) -> bool {
+        true
+    }
 }
 
 /// Projection that zeroes listed unknowns.
@@ -50,6 +99,19 @@ impl Projector for FixedUnknowns {
         for &index in &self.indices {
             v[index] = 0.0;
         }
+    }
+
+    fn project_part(&self, first: usize, v: &mut [f64]) -> bool {
+        let sorted = self.indices.is_sorted();
+        let from = if sorted { self.indices.partition_point(|&index| index < first) } else { 0 };
+        for &index in &self.indices[from..] {
+            match index.checked_sub(first).and_then(|offset| v.get_mut(offset)) {
+                Some(value) => *value = 0.0,
+                None if sorted => break,
+                None => {}
+            }
+        }
+        true
     }
 }
 
@@ -95,6 +157,11 @@ impl LinearOperator for DiagonalOperator {
 pub struct Identity;
 
 impl Preconditioner for Identity {
+    fn apply_part(&self, _first: usize, r: &[f64], z: &mut [f64]) -> bool {
+        z.copy_from_slice(r);
+        true
+    }
+
     fn apply(&self, r: &[f64], z: &mut [f64]) {
         z.copy_from_slice(r);
     }
@@ -132,6 +199,13 @@ impl Jacobi {
 }
 
 impl Preconditioner for Jacobi {
+    fn apply_part(&self, first: usize, r: &[f64], z: &mut [f64]) -> bool {
+        for ((z, r), inverse) in z.iter_mut().zip(r).zip(&self.inverse[first..]) {
+            *z = inverse * r;
+        }
+        true
+    }
+
     fn apply(&self, r: &[f64], z: &mut [f64]) {
         for ((z, r), inverse) in z.iter_mut().zip(r).zip(&self.inverse) {
             *z = inverse * r;
