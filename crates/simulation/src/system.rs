@@ -20,7 +20,7 @@ use souple_solver::vector::norm;
 use souple_solver::{
     BlockCsr, BlockJacobi, CgOptions, CgWorkspace, Combination, CondensationMap, Csr, DirectSolver, Elimination,
     Failure, Identity, IncompleteCholesky, Jacobi, LinearOperator, LinearReport, LoadProblem, NewtonProblem,
-    Preconditioner, Projector, SecondOrder, Serial, SkylineLdlt, cg, solve_directly,
+    Preconditioner, Projector, SecondOrder, Serial, SkylineLdlt, VectorOps, cg, product_in_parts, solve_directly,
 };
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -264,7 +264,10 @@ impl System {
         if self.assembled_product()
             && let Some(m) = &self.matrices
         {
-            multiply(&m.stiffness, &self.threads, self.dimension, x, y);
+            share_rows(&self.threads, &m.stiffness, y, |first, y| {
+                let d = m.stiffness.block();
+                m.stiffness.multiply_rows(first / d..(first + y.len()) / d, x, y);
+            });
             return;
         }
         if self.stale {
@@ -280,26 +283,8 @@ impl System {
 
     /// Solves (m M + k K + c C) x = rhs on the free unknowns.
     fn solve_system(&mut self, [m, k, c]: [f64; 3], rhs: &[f64], x: &mut [f64]) -> LinearReport {
-        let d = self.dimension;
-        if let Some(matrices) = &mut self.matrices {
-            let size = d * d;
-            for (s, value) in matrices.system.values_mut().iter_mut().zip(matrices.stiffness.values()) {
-                *s = k * value;
-            }
-            if let Some(viscosity) = matrices.viscosity.as_ref().filter(|_| c != 0.0) {
-                for (s, value) in matrices.system.values_mut().iter_mut().zip(viscosity.values()) {
-                    *s += c * value;
-                }
-            }
-            let values = matrices.system.values_mut();
-            for (node, &slot) in matrices.diagonal.iter().enumerate() {
-                for axis in 0..d {
-                    values[slot as usize * size + axis * (d + 1)] += m * self.mass[node * d + axis];
-                }
-            }
-            if let Some((_, condensation)) = &matrices.full {
-                condensation.write_idle(&mut matrices.system);
-            }
+        if self.needs_sum(c) {
+            self.write_sum([m, k, c]);
         }
         if self.solver.method.value == LinearMethod::Direct {
             return self.solve_by_factors(rhs, x);
@@ -309,16 +294,15 @@ impl System {
             absolute_tolerance: self.solver.absolute_tolerance,
             max_iterations: self.solver.max_iterations as usize,
         };
-        let preconditioner = match self.preconditioner() {
-            Ok(preconditioner) => preconditioner,
-            Err(report) => return report,
-        };
+        let preconditioner = self.preconditioner([m, k, c]);
         let mut workspace = std::mem::take(&mut self.workspace);
         let mask = std::mem::take(&mut self.held);
         let projector = Mask { held: &mask };
         let report = if self.assembled_product() {
             let matrices = self.matrices.as_ref().expect("an assembled product has its matrix");
-            let operator = Assembled { matrix: &matrices.system, threads: &self.threads, dimension: d };
+            let shift = if self.needs_sum(c) { None } else { Some([k, m]) };
+            let matrix = if shift.is_some() { &matrices.stiffness } else { &matrices.system };
+            let operator = Assembled { matrix, shift, mass: &self.mass, threads: &self.threads };
             cg(&operator, &*preconditioner, &projector, &Serial, rhs, x, &options, &mut workspace)
         } else {
             let operator = MatrixFree { system: RefCell::new(&mut *self), m, k, c };
@@ -329,24 +313,70 @@ impl System {
         report
     }
 
-    fn preconditioner(&mut self) -> Result<Box<dyn Preconditioner>, LinearReport> {
+    /// Whether the sum m M + k K + c C is needed as a matrix: for factors, or where there is more to add than a diagonal.
+    /// Products need only K, and diagonal blocks are few.
+    fn needs_sum(&self, c: f64) -> bool {
+        self.matrices.is_some()
+            && (self.solver.method.value == LinearMethod::Direct
+                || self.solver.preconditioner.value == Choice::IncompleteCholesky
+                || c != 0.0)
+    }
+
+    fn write_sum(&mut self, [m, k, c]: [f64; 3]) {
         let d = self.dimension;
-        let Some(matrices) = &self.matrices else { return Ok(Box::new(Identity)) };
-        let blocks = || {
-            let mut blocks = vec![0.0; matrices.system.row_count() * d * d];
-            matrices.system.diagonal_blocks(&mut blocks);
-            blocks
-        };
-        Ok(match self.solver.preconditioner.value {
+        let Some(matrices) = &mut self.matrices else { return };
+        for (s, value) in matrices.system.values_mut().iter_mut().zip(matrices.stiffness.values()) {
+            *s = k * value;
+        }
+        if let Some(viscosity) = matrices.viscosity.as_ref().filter(|_| c != 0.0) {
+            for (s, value) in matrices.system.values_mut().iter_mut().zip(viscosity.values()) {
+                *s += c * value;
+            }
+        }
+        let values = matrices.system.values_mut();
+        for (node, &slot) in matrices.diagonal.iter().enumerate() {
+            for axis in 0..d {
+                values[slot as usize * d * d + axis * (d + 1)] += m * self.mass[node * d + axis];
+            }
+        }
+        if let Some((_, condensation)) = &matrices.full {
+            condensation.write_idle(&mut matrices.system);
+        }
+    }
+
+    /// Diagonal blocks of m M + k K + c C, [node][row][column].
+    fn diagonal_blocks(&self, matrices: &Matrices, [m, k, c]: [f64; 3]) -> Vec<f64> {
+        let d = self.dimension;
+        let (size, summed) = (d * d, self.needs_sum(c));
+        let values = if summed { matrices.system.values() } else { matrices.stiffness.values() };
+        let mut blocks = Vec::with_capacity(matrices.diagonal.len() * size);
+        for (node, &slot) in matrices.diagonal.iter().enumerate() {
+            let block = &values[slot as usize * size..(slot as usize + 1) * size];
+            if summed {
+                blocks.extend_from_slice(block);
+                continue;
+            }
+            blocks.extend(block.iter().map(|value| k * value));
+            for axis in 0..d {
+                blocks[node * size + axis * (d + 1)] += m * self.mass[node * d + axis];
+            }
+        }
+        blocks
+    }
+
+    fn preconditioner(&mut self, combination: [f64; 3]) -> Box<dyn Preconditioner> {
+        let d = self.dimension;
+        let Some(matrices) = &self.matrices else { return Box::new(Identity) };
+        match self.solver.preconditioner.value {
             Choice::None => Box::new(Identity),
             Choice::Jacobi => {
-                let blocks = blocks();
+                let blocks = self.diagonal_blocks(matrices, combination);
                 let diagonal: Vec<f64> =
                     (0..self.mass.len()).map(|k| blocks[(k / d) * d * d + (k % d) * (d + 1)]).collect();
                 Box::new(Jacobi::new(&diagonal))
             }
             Choice::BlockJacobi => {
-                let mut blocks = blocks();
+                let mut blocks = self.diagonal_blocks(matrices, combination);
                 decouple(&mut blocks, &self.held, d);
                 Box::new(BlockJacobi::new(d, &blocks))
             }
@@ -362,10 +392,10 @@ impl System {
                         Box::new(factors)
                     }
                     // A matrix that no shift makes positive: the diagonal blocks still precondition something.
-                    Err(_) => Box::new(BlockJacobi::new(d, &blocks())),
+                    Err(_) => Box::new(BlockJacobi::new(d, &self.diagonal_blocks(matrices, combination))),
                 }
             }
-        })
+        }
     }
 
     /// Refuses states in which an element is inside out whose law has no meaning there.
@@ -431,49 +461,79 @@ fn factor_at(keys: &[(f64, f64)], t: f64) -> f64 {
     }
 }
 
-/// y ← A x, rows shared between threads.
-fn multiply(matrix: &BlockCsr, threads: &Threads, d: usize, x: &[f64], y: &mut [f64]) {
-    let rows = matrix.row_count();
-    if threads.count() == 1 || rows < 4096 {
-        matrix.multiply_rows(0..rows, x, y);
-        return;
-    }
-    let per_task = rows.div_ceil(4 * threads.count()).max(1);
-    let mut tasks: Vec<(usize, &mut [f64])> = y.chunks_mut(per_task * d).enumerate().collect();
-    threads.run(&mut tasks, |(task, y)| {
-        let first = *task * per_task;
-        matrix.multiply_rows(first..first + y.len() / d, x, y);
-    });
-}
-
 struct Mask<'a> {
     held: &'a [bool],
 }
 
 impl Projector for Mask<'_> {
     fn project(&self, v: &mut [f64]) {
-        for (v, &p) in v.iter_mut().zip(self.held) {
+        self.project_part(0, v);
+    }
+
+    fn project_part(&self, first: usize, v: &mut [f64]) -> bool {
+        for (v, &p) in v.iter_mut().zip(&self.held[first..]) {
             if p {
                 *v = 0.0;
             }
         }
+        true
     }
 }
 
+/// A matrix, or k A + m M with the diagonal M of the masses.
 struct Assembled<'a> {
     matrix: &'a BlockCsr,
+    /// k and m.
+    shift: Option<[f64; 2]>,
+    mass: &'a [f64],
     threads: &'a Threads,
-    dimension: usize,
+}
+
+impl Assembled<'_> {
+    /// Rows of the product from the unknown `first` on.
+    fn rows(&self, first: usize, x: &[f64], y: &mut [f64]) {
+        let d = self.matrix.block();
+        let rows = first / d..(first + y.len()) / d;
+        match self.shift {
+            Some(shift) => self.matrix.multiply_rows_shifted(rows, shift, self.mass, x, y),
+            None => self.matrix.multiply_rows(rows, x, y),
+        }
+    }
 }
 
 impl LinearOperator for Assembled<'_> {
     fn len(&self) -> usize {
-        self.matrix.row_count() * self.dimension
+        self.matrix.row_count() * self.matrix.block()
     }
 
     fn apply(&self, x: &[f64], y: &mut [f64]) {
-        multiply(self.matrix, self.threads, self.dimension, x, y);
+        share_rows(self.threads, self.matrix, y, |first, y| self.rows(first, x, y));
     }
+
+    fn apply_and_dot(&self, projector: &dyn Projector, p: &[f64], q: &mut [f64]) -> f64 {
+        if shared(self.threads, self.matrix) {
+            self.apply(p, q);
+            projector.project(q);
+            return Serial.dot(p, q);
+        }
+        product_in_parts(projector, p, q, |first, q| self.rows(first, p, q))
+    }
+}
+
+/// Whether a product is worth more than one thread.
+fn shared(threads: &Threads, matrix: &BlockCsr) -> bool {
+    threads.count() > 1 && matrix.row_count() >= 4096
+}
+
+/// Calls `rows` with parts of `y` and their first unknown; rows are independent, so threads change no bit.
+fn share_rows(threads: &Threads, matrix: &BlockCsr, y: &mut [f64], rows: impl Fn(usize, &mut [f64]) + Sync) {
+    if !shared(threads, matrix) {
+        rows(0, y);
+        return;
+    }
+    let per_task = matrix.row_count().div_ceil(4 * threads.count()).max(1) * matrix.block();
+    let mut tasks: Vec<(usize, &mut [f64])> = y.chunks_mut(per_task).enumerate().collect();
+    threads.run(&mut tasks, |(task, y)| rows(*task * per_task, y));
 }
 
 /// `m M + k K + c C` without a matrix. The elements keep scratch memory, hence the cell; nothing is shared between threads.

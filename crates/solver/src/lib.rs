@@ -65,7 +65,7 @@ pub use newton::{
 };
 pub use operator::{
     DiagonalOperator, FixedUnknowns, Identity, Jacobi, LinearOperator, NoProjection, OperatorFromFn, Preconditioner,
-    Projector,
+    Projector, product_in_parts,
 };
 pub use quasi_static::{
     LoadProblem, LoadStep, Predictor, QuasiStaticOptions, QuasiStaticOutcome, QuasiStaticStatus, quasi_static,
