@@ -13,7 +13,6 @@ use souple_forms::Loops;
 use souple_kernels::{Backend, CompileError, Input, Kernel, LANES, Scratch};
 use souple_laws::check::{Inversion, inversion};
 use souple_program::Costs;
-use souple_solver::BlockCsr;
 use std::sync::Arc;
 
 /// Groups that one task runs through: enough to forget the cost of starting it.
@@ -48,7 +47,7 @@ pub(crate) struct Block {
     /// Contributions to nodal vectors, [group][node, axis][lane].
     partial: Vec<f64>,
     /// Tangent blocks of one task's groups at a time.
-    tangent: Vec<f64>,
+    pub(crate) tangent: Vec<f64>,
     /// Energy or other outputs per element, [group][place][lane].
     small: Vec<f64>,
 }
@@ -84,15 +83,6 @@ pub struct Masses {
     /// Lumped masses in kg, [node].
     pub lumped: Vec<f64>,
 }
-
-/// Places of the tangent blocks in a block matrix: for each block, [element][pair] of the upper triangle with its
-/// transpose.
-pub struct AssemblyMap {
-    slots: Vec<Vec<[u32; 2]>>,
-}
-
-/// Which program gives a block's matrix blocks, and of which family; `None` for a block without one.
-type KernelOf = dyn Fn(&Block) -> Option<(Arc<dyn Kernel>, Family)>;
 
 impl Elements {
     /// Derives, compiles and sets up all blocks, in a space of `dimension` axes.
@@ -148,6 +138,11 @@ impl Elements {
     /// Number of axes per node.
     pub fn dimension(&self) -> usize {
         self.dimension
+    }
+
+    /// Number of nodes.
+    pub fn node_count(&self) -> usize {
+        self.node_count
     }
 
     /// Length of nodal vectors.
@@ -272,80 +267,6 @@ impl Elements {
         self.collect(scale, out);
     }
 
-    /// An empty stiffness matrix with the pattern of the elements, and the places of their blocks in it.
-    pub fn pattern(&self) -> (BlockCsr, AssemblyMap) {
-        let mut rows: Vec<Vec<u32>> = (0..self.node_count as u32).map(|n| vec![n]).collect();
-        for block in &self.blocks {
-            let n = block.spec.element.node_count();
-            for nodes in block.spec.connectivity.chunks(n) {
-                for &a in nodes {
-                    rows[a as usize].extend_from_slice(nodes);
-                }
-            }
-        }
-        for row in &mut rows {
-            row.sort_unstable();
-            row.dedup();
-        }
-        let matrix = BlockCsr::from_pattern(self.dimension, &rows).expect("rows are sorted, unique and in range");
-        let slot = |a: u32, b: u32| matrix.slot(a as usize, b as usize).expect("the pattern holds every pair") as u32;
-        let slots = self
-            .blocks
-            .iter()
-            .map(|block| {
-                let n = block.spec.element.node_count();
-                let mut slots = Vec::with_capacity(block.spec.len() * n * (n + 1) / 2);
-                for nodes in block.spec.connectivity.chunks(n) {
-                    for (k, &a) in nodes.iter().enumerate() {
-                        slots.extend(nodes[k..].iter().map(|&b| [slot(a, b), slot(b, a)]));
-                    }
-                }
-                slots
-            })
-            .collect();
-        (matrix, AssemblyMap { slots })
-    }
-
-    /// Overwrites `matrix` by K = −∂f/∂u at `u`; with projected tangents at the state of the last
-    /// [`Elements::linearise`].
-    pub fn assemble(&mut self, u: &[f64], map: &AssemblyMap, matrix: &mut BlockCsr) {
-        let kernel_of = |block: &Block| match &block.projected {
-            Some(projected) => Some((projected.blocks.clone(), Family::Projected)),
-            None => Some((block.kernels.tangent_blocks.clone(), Family::Elastic)),
-        };
-        self.assemble_with(u, map, matrix, &kernel_of);
-    }
-
-    /// Overwrites `matrix` by the sum of the blocks that each block's program of a family gives, if it has one.
-    pub(crate) fn assemble_with(&mut self, u: &[f64], map: &AssemblyMap, matrix: &mut BlockCsr, kernel_of: &KernelOf) {
-        matrix.clear();
-        let size = self.dimension * self.dimension;
-        for (block, slots) in self.blocks.iter_mut().zip(&map.slots) {
-            let Some((kernel, family)) = kernel_of(block) else { continue };
-            let n = block.spec.element.node_count();
-            let pairs = n * (n + 1) / 2;
-            // As many groups at once as every thread can take a task of.
-            let wave = TASK * self.threads.count();
-            let mut first = 0;
-            while first < block.groups {
-                let count = wave.min(block.groups - first);
-                block.run_blocks(&kernel, family, u, first, count, &self.threads, &mut self.scratch);
-                for group in 0..count {
-                    for lane in 0..LANES {
-                        let element = (first + group) * LANES + lane;
-                        if element >= block.spec.len() {
-                            break;
-                        }
-                        let slots = &slots[element * pairs..(element + 1) * pairs];
-                        let at = group * pairs * size * LANES + lane;
-                        scatter(matrix, slots, &block.tangent[at..], self.dimension, n);
-                    }
-                }
-                first += count;
-            }
-        }
-    }
-
     /// Elements whose volume ratio J at some quadrature point is at most `limit` or not a number, with the worst ratio,
     /// worst first.
     pub fn crushed(&mut self, u: &[f64], limit: f64) -> Vec<(u32, f64)> {
@@ -400,29 +321,6 @@ impl Elements {
                 }
             }
         });
-    }
-}
-
-/// Adds the blocks of one element; `values` starts at its lane.
-fn scatter(matrix: &mut BlockCsr, slots: &[[u32; 2]], values: &[f64], d: usize, n: usize) {
-    let size = d * d;
-    let mut pair = 0;
-    for a in 0..n {
-        for b in a..n {
-            let at = |i: usize, j: usize| values[(pair * size + i * d + j) * LANES];
-            let [upper, lower] = slots[pair];
-            let target = &mut matrix.values_mut()[upper as usize * size..][..size];
-            for (k, t) in target.iter_mut().enumerate() {
-                *t += at(k / d, k % d);
-            }
-            if a != b {
-                let target = &mut matrix.values_mut()[lower as usize * size..][..size];
-                for (k, t) in target.iter_mut().enumerate() {
-                    *t += at(k % d, k / d);
-                }
-            }
-            pair += 1;
-        }
     }
 }
 
@@ -671,7 +569,12 @@ impl Block {
         run_tasks(kernel, &source, 0, groups, &mut written, &rows_of, threads, scratch);
     }
 
-    fn run_blocks(
+    /// The program of the tangent blocks.
+    pub(crate) fn tangent_blocks(&self) -> Arc<dyn Kernel> {
+        self.kernels.tangent_blocks.clone()
+    }
+
+    pub(crate) fn run_blocks(
         &mut self,
         kernel: &Arc<dyn Kernel>,
         family: Family,

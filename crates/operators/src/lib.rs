@@ -1,5 +1,6 @@
 //! Blocks of elements and kernels become one global operator.
 
+mod assembly;
 mod averages;
 mod block;
 mod companion;
@@ -9,9 +10,10 @@ mod projection;
 mod tangent;
 mod threads;
 
+pub use assembly::AssemblyMap;
 pub use averages::{Average, Mean};
 pub use block::BlockSpec;
 pub use derive::{Association, Derived, OUTPUTS, derive, derive_averages, derive_moduli, derive_viscosity};
-pub use elements::{AssemblyMap, Elements, Masses};
+pub use elements::{Elements, Masses};
 pub use tangent::Tangent;
 pub use threads::Threads;

@@ -3,8 +3,9 @@
 //! Both are further families of programs beside those of the law ([`crate::companion`]); what they share with the elastic
 //! products (gathering, partial contributions, sums per node in a fixed order) is that of [`Elements`].
 
+use crate::AssemblyMap;
 use crate::companion::{Companion, Family};
-use crate::elements::{AssemblyMap, Block, Destination, Elements};
+use crate::elements::{Block, Destination, Elements};
 use crate::projection::make_positive;
 use souple_kernels::{Backend, CompileError, LANES};
 use souple_program::Costs;
