@@ -16,16 +16,13 @@ fn per_point(derived: &Derived, program: &Program) -> usize {
     Counts::of(program).operations.div_ceil(derived.association.rule.points.len())
 }
 
-/// The golden table of a law: for each element, what is carried, then a line per program. Elements of more than ten
-/// nodes appear for Hooke and St.Venant–Kirchhoff only: their programs take long to derive, and those of the other laws
-/// change with those of the smaller elements.
+/// The golden table of a law: for each element, what is carried, then a line per program.
 pub(crate) fn table(law: &Law) -> String {
     let mut out = String::from(
         "# Programs of each element with the default rule, loops rolled.\n\
          # Carried values: once + per point. Programs: operations (per point, rounded up), of which functions.\n",
     );
-    let large = ["hooke", "stvk"].contains(&law.id);
-    for element in souple_elements::all().iter().filter(|e| large || e.node_count() <= 10) {
+    for element in souple_elements::all() {
         let d = derived(element, law.id);
         let ((a, b), (c, e)) = (d.staged.setup_to_step, d.staged.step_to_apply);
         let head = format!("{} {} {}", element.id, law.id, d.association.rule.id);

@@ -122,7 +122,7 @@ pub(crate) fn one_element(
     Elements::new(space, nodes, vec![spec], &Interpreter::default(), threads, Costs::default()).unwrap()
 }
 
-/// Elements up to here are derived with every law in each test, larger ones with some.
+/// Elements up to here are compiled with every law by tests that compare programs, larger ones with some.
 const SMALL: usize = 8;
 /// Likewise for elements that do not fill their space.
 const SMALL_EMBEDDED: usize = 3;
@@ -130,19 +130,29 @@ const SMALL_EMBEDDED: usize = 3;
 /// Element, law, rule and number of space dimensions.
 pub(crate) type Case = (&'static Element, &'static Law, &'static Rule, usize);
 
-/// Associations that meet every law, every element, in every space that it fits into, and every listed rule: all laws on
-/// the default rules of small elements; on larger elements and on the other rules, one law after the other in turn. A law
-/// enters point by point and knows neither element nor rule, so that nothing more would be learnt from the full product,
-/// for minutes more.
+/// Every element with every law on its default rule; on the other rules one law after the other in turn: a law enters
+/// point by point and does not know the rule. In spaces that they do not fill, elements as in [`associations`].
+fn all_associations() -> impl Iterator<Item = Case> {
+    chosen(usize::MAX)
+}
+
+/// Associations that meet every law, every element, in every space that it fits into, and every listed rule, for tests
+/// that derive or compile each of them in several ways: all laws on small elements only, since a law knows no element
+/// either.
 pub(crate) fn associations() -> impl Iterator<Item = Case> {
+    chosen(SMALL)
+}
+
+/// All laws on the default rules of elements up to `nodes`, one after the other in turn elsewhere.
+fn chosen(nodes: usize) -> impl Iterator<Item = Case> {
     let laws = souple_laws::all();
     let pairs = souple_elements::all().iter().flat_map(|&e| e.quadratures.iter().map(move |id| (e, *id)));
     pairs.enumerate().flat_map(move |(k, (element, id))| {
         let default = id == element.quadratures[0];
         let spaces = element.dimension()..=if default { 3 } else { element.dimension() };
         spaces.flat_map(move |space| {
-            let small = if space > element.dimension() { SMALL_EMBEDDED } else { SMALL };
-            let all = default && element.node_count() <= small;
+            let nodes = if space > element.dimension() { SMALL_EMBEDDED } else { nodes };
+            let all = default && element.node_count() <= nodes;
             let chosen = (0..laws.len()).filter(move |&l| all || l == (k + space) % laws.len());
             chosen.map(move |l| (element, laws[l], Rule::by_id(id).unwrap(), space))
         })
@@ -155,11 +165,11 @@ pub(crate) fn with_default_rules() -> impl Iterator<Item = (&'static Element, &'
     associations().filter(filling).map(|(element, law, rule, _)| (element, law, rule))
 }
 
-/// Calls `check` with a sample of each association. Samples are derived once and shared by the tests; random numbers
-/// start afresh, so that a test gives the same whatever ran before it.
+/// Calls `check` with a sample of every element with every law. Samples are derived once and shared by the tests;
+/// random numbers start afresh, so that a test gives the same whatever ran before it.
 pub(crate) fn each(check: impl Fn(&mut Sample)) {
     static SAMPLES: LazyLock<Vec<Mutex<Sample>>> = LazyLock::new(|| {
-        let numbered = associations().enumerate();
+        let numbered = all_associations().enumerate();
         numbered.map(|(k, case)| Mutex::new(Sample::new(case, k as u64))).collect()
     });
     for (k, sample) in SAMPLES.iter().enumerate() {
