@@ -45,6 +45,16 @@ choices! {
     }
 }
 
+choices! {
+    /// What the matrix of a product is kept in.
+    pub enum Precision {
+        /// Double precision.
+        Double = "double",
+        /// A copy in single precision, corrected with the true matrix until the tolerance is met.
+        Mixed = "mixed",
+    }
+}
+
 /// How linear systems are solved.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LinearSolver {
@@ -54,6 +64,8 @@ pub struct LinearSolver {
     pub preconditioner: Spanned<Preconditioner>,
     /// How the matrix is applied (default auto).
     pub operator: Spanned<Operator>,
+    /// What the matrix of a product is kept in (default double).
+    pub precision: Spanned<Precision>,
     /// Stop when the residual is this fraction of the right-hand side (default 1e-6).
     pub tolerance: f64,
     /// Stop when the norm of the residual is below this (default 0 N).
@@ -70,6 +82,7 @@ impl Default for LinearSolver {
             method: Spanned::default_value(LinearMethod::Cg),
             preconditioner: Spanned::default_value(Preconditioner::BlockJacobi),
             operator: Spanned::default_value(Operator::Auto),
+            precision: Spanned::default_value(Precision::Double),
             tolerance: 1e-6,
             absolute_tolerance: 0.0,
             max_iterations: 1000,
@@ -99,6 +112,12 @@ pub(crate) static LINEAR_SOLVER: Section = Section {
             kind: Kind::Choice(Operator::CHOICES),
             presence: Presence::Default("\"auto\""),
             about: "how the matrix is applied",
+        },
+        Key {
+            name: "precision",
+            kind: Kind::Choice(Precision::CHOICES),
+            presence: Presence::Default("\"double\""),
+            about: "what an assembled matrix is kept in for products; results meet the same tolerance",
         },
         Key {
             name: "tolerance",
@@ -135,6 +154,7 @@ impl Reader<'_> {
             method: self.choice(fields, "method").unwrap_or(default.method),
             preconditioner: self.choice(fields, "preconditioner").unwrap_or(default.preconditioner),
             operator: self.choice(fields, "operator").unwrap_or(default.operator),
+            precision: self.choice(fields, "precision").unwrap_or(default.precision),
             tolerance: self.number(fields, "tolerance").map_or(default.tolerance, |value| value.value),
             absolute_tolerance: self
                 .number(fields, "absolute_tolerance")
@@ -143,9 +163,15 @@ impl Reader<'_> {
             warm_start: self.boolean(fields, "warm_start").map_or(default.warm_start, |value| value.value),
         };
         if solver.method.value == LinearMethod::Direct {
-            for name in
-                ["preconditioner", "operator", "tolerance", "absolute_tolerance", "max_iterations", "warm_start"]
-            {
+            for name in [
+                "preconditioner",
+                "operator",
+                "precision",
+                "tolerance",
+                "absolute_tolerance",
+                "max_iterations",
+                "warm_start",
+            ] {
                 if let Some(at) = fields.key_at(name) {
                     self.warn(at.clone(), format!("`{name}` has no effect with method \"direct\""));
                 }
@@ -156,6 +182,10 @@ impl Reader<'_> {
             let message = "an incomplete Cholesky factorisation needs the matrix; use operator = \"assembled\" or \
                 \"auto\", or preconditioner = \"block-jacobi\"";
             self.conflict(fields.place("preconditioner"), message);
+        } else if solver.precision.value == Precision::Mixed && solver.operator.value == Operator::MatrixFree {
+            let message = "only a matrix can be kept in single precision; use operator = \"assembled\" or \"auto\", or \
+                precision = \"double\"";
+            self.conflict(fields.place("precision"), message);
         } else if solver.tolerance == 0.0 && solver.absolute_tolerance == 0.0 {
             let message = "`tolerance` and `absolute_tolerance` are both 0, which is never reached; give one of them";
             self.conflict(fields.place("tolerance"), message);

@@ -15,7 +15,8 @@
 
 use crate::motion::Motion;
 use souple_operators::{AssemblyMap, Elements, Masses, Threads};
-use souple_scene::linear_solver::{LinearMethod, LinearSolver, Operator, Preconditioner as Choice};
+use souple_scene::linear_solver::{LinearMethod, LinearSolver, Operator, Precision, Preconditioner as Choice};
+use souple_solver::refinement::{RefinementWorkspace, refined_cg};
 use souple_solver::vector::norm;
 use souple_solver::{
     BlockCsr, BlockJacobi, CgOptions, CgWorkspace, Combination, CondensationMap, Csr, DirectSolver, Elimination,
@@ -69,6 +70,9 @@ pub(crate) struct System {
     /// Whether the elements' viscous products are those of another state than the last linearisation.
     damping_stale: bool,
     workspace: CgWorkspace,
+    refinement: RefinementWorkspace,
+    /// The matrix of the products in single precision; empty unless the scene wants mixed precision.
+    singles: Vec<f32>,
     scratch: Vec<f64>,
     /// T û of what is evaluated; empty when no node follows another.
     expanded: Vec<f64>,
@@ -118,6 +122,7 @@ impl System {
             }
         }
         let size = (0..3).map(|k| (high[k] - low[k]).powi(2)).sum::<f64>().sqrt();
+        let refined = if solver.precision.value == Precision::Mixed { len } else { 0 };
         let mut system = System {
             dimension: d,
             mass: spread(&lumped, &|_| 1.0),
@@ -138,6 +143,8 @@ impl System {
             linearised: vec![0.0; len],
             stale: true,
             damping_stale: true,
+            refinement: RefinementWorkspace::new(refined),
+            singles: Vec::new(),
             workspace: CgWorkspace::new(len),
             scratch: vec![0.0; len],
             expanded: vec![0.0; if elimination.is_empty() { 0 } else { len }],
@@ -283,6 +290,7 @@ impl System {
 
     /// Solves (m M + k K + c C) x = rhs on the free unknowns.
     fn solve_system(&mut self, [m, k, c]: [f64; 3], rhs: &[f64], x: &mut [f64]) -> LinearReport {
+        let d = self.dimension;
         if self.needs_sum(c) {
             self.write_sum([m, k, c]);
         }
@@ -302,8 +310,26 @@ impl System {
             let matrices = self.matrices.as_ref().expect("an assembled product has its matrix");
             let shift = if self.needs_sum(c) { None } else { Some([k, m]) };
             let matrix = if shift.is_some() { &matrices.stiffness } else { &matrices.system };
-            let operator = Assembled { matrix, shift, mass: &self.mass, threads: &self.threads };
-            cg(&operator, &*preconditioner, &projector, &Serial, rhs, x, &options, &mut workspace)
+            let operator = Assembled { matrix, shift, mass: &self.mass, threads: &self.threads, singles: None };
+            if self.solver.precision.value == Precision::Mixed && d == 3 {
+                matrix.write_single_values(&mut self.singles);
+                let cheap = Assembled { singles: Some(&self.singles), ..operator };
+                let refinement = &mut self.refinement;
+                refined_cg(
+                    &operator,
+                    &cheap,
+                    &*preconditioner,
+                    &projector,
+                    &Serial,
+                    rhs,
+                    x,
+                    &options,
+                    &mut workspace,
+                    refinement,
+                )
+            } else {
+                cg(&operator, &*preconditioner, &projector, &Serial, rhs, x, &options, &mut workspace)
+            }
         } else {
             let operator = MatrixFree { system: RefCell::new(&mut *self), m, k, c };
             cg(&operator, &*preconditioner, &projector, &Serial, rhs, x, &options, &mut workspace)
@@ -481,12 +507,15 @@ impl Projector for Mask<'_> {
 }
 
 /// A matrix, or k A + m M with the diagonal M of the masses.
+#[derive(Clone, Copy)]
 struct Assembled<'a> {
     matrix: &'a BlockCsr,
     /// k and m.
     shift: Option<[f64; 2]>,
     mass: &'a [f64],
     threads: &'a Threads,
+    /// The values in single precision, to be used instead.
+    singles: Option<&'a [f32]>,
 }
 
 impl Assembled<'_> {
@@ -494,6 +523,10 @@ impl Assembled<'_> {
     fn rows(&self, first: usize, x: &[f64], y: &mut [f64]) {
         let d = self.matrix.block();
         let rows = first / d..(first + y.len()) / d;
+        if let Some(values) = self.singles {
+            self.matrix.multiply_rows_of_singles(values, rows, self.shift.unwrap_or([1.0, 0.0]), self.mass, x, y);
+            return;
+        }
         match self.shift {
             Some(shift) => self.matrix.multiply_rows_shifted(rows, shift, self.mass, x, y),
             None => self.matrix.multiply_rows(rows, x, y),

@@ -354,3 +354,23 @@ traction = [-{pressure}, 0.0, 0.0]
         }
     }
 }
+
+/// A matrix in single precision takes nothing from the result: steps end where those with the matrix in double precision
+/// end, as far as the tolerance of the linear solves goes, and with the same bits for any number of threads.
+#[test]
+fn mixed_precision_keeps_the_tolerance() {
+    let end = |precision: &str, threads: usize| {
+        let precision = format!("linear_solver.precision={precision}");
+        let options = RunOptions { threads, ..RunOptions::default() };
+        let mut simulation = load(BAR, &["linear_solver.tolerance=1e-9", &precision], &options).unwrap();
+        run(&mut simulation);
+        simulation.displacement().to_vec()
+    };
+    let (double, mixed) = (end("double", 1), end("mixed", 1));
+    assert_eq!(mixed, end("mixed", 2));
+    assert_ne!(double, mixed, "the matrix in single precision was used");
+    let largest = double.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+    for (double, mixed) in double.iter().zip(&mixed) {
+        assert!((double - mixed).abs() < 1e-7 * largest, "{double} and {mixed}");
+    }
+}

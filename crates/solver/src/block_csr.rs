@@ -177,7 +177,7 @@ impl BlockCsr {
         match self.block {
             1 => self.multiply_rows_of::<1>(rows, x, y),
             2 => self.multiply_rows_of::<2>(rows, x, y),
-            3 => self.multiply_rows_of_three(rows, None, x, y),
+            3 => self.multiply_rows_of_three(&self.values, rows, None, x, y),
             6 => self.multiply_rows_of::<6>(rows, x, y),
             _ => self.multiply_rows_of_any(rows, x, y),
         }
@@ -197,7 +197,7 @@ impl BlockCsr {
         y: &mut [f64],
     ) {
         if self.block == 3 {
-            self.multiply_rows_of_three(rows, Some((k, m, diagonal)), x, y);
+            self.multiply_rows_of_three(&self.values, rows, Some((k, m, diagonal)), x, y);
             return;
         }
         let entries = rows.start * self.block..rows.end * self.block;
@@ -207,10 +207,41 @@ impl BlockCsr {
         }
     }
 
-    fn multiply_rows_of_three(&self, rows: Range<usize>, shift: Option<(f64, f64, &[f64])>, x: &[f64], y: &mut [f64]) {
+    /// As [`Self::multiply_rows_shifted`] with a copy of the values in single precision, made by
+    /// [`Self::write_single_values`]: half the memory is read, and sums are as precise as ever.
+    ///
+    /// # Panics
+    /// When blocks are not 3 × 3, or `values` or `diagonal` are shorter than the matrix.
+    pub fn multiply_rows_of_singles(
+        &self,
+        values: &[f32],
+        rows: Range<usize>,
+        [k, m]: [f64; 2],
+        diagonal: &[f64],
+        x: &[f64],
+        y: &mut [f64],
+    ) {
+        assert_eq!(self.block, 3, "single precision is for blocks of three");
+        self.multiply_rows_of_three(values, rows, Some((k, m, diagonal)), x, y);
+    }
+
+    /// Copies the values in single precision. Values beyond its range become infinite, and whoever multiplies notices.
+    pub fn write_single_values(&self, out: &mut Vec<f32>) {
+        out.clear();
+        out.extend(self.values.iter().map(|&value| value as f32));
+    }
+
+    fn multiply_rows_of_three<T: Copy + Into<f64>>(
+        &self,
+        values: &[T],
+        rows: Range<usize>,
+        shift: Option<(f64, f64, &[f64])>,
+        x: &[f64],
+        y: &mut [f64],
+    ) {
         let y = &mut y[..3 * rows.len()];
         let row_start = &self.row_start[rows.start..=rows.end];
-        widest(Rows { first: rows.start, row_start, columns: &self.columns, values: &self.values, x, y, shift });
+        widest(Rows { first: rows.start, row_start, columns: &self.columns, values, x, y, shift });
     }
 
     /// The product for a block size known to the compiler, which then keeps the row's sums in registers.

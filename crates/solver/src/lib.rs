@@ -39,6 +39,7 @@ pub mod newton;
 pub mod operator;
 pub mod ordering;
 pub mod quasi_static;
+pub mod refinement;
 pub mod rest;
 pub mod second_order;
 pub mod small_dense;

@@ -43,10 +43,10 @@ fn multiply_add<const FUSED: bool>(a: f64, b: f64, c: f64) -> f64 {
 
 /// `sums[i] += row i of block · x`, kept as four partial sums each, of which the last holds nothing.
 #[inline(always)]
-fn add_block<const FUSED: bool>(block: &[f64; 9], x: &[f64; 3], sums: &mut [[f64; 4]; 3]) {
+fn add_block<const FUSED: bool, T: Copy + Into<f64>>(block: &[T; 9], x: &[f64; 3], sums: &mut [[f64; 4]; 3]) {
     let x = [x[0], x[1], x[2], 0.0];
-    let rows =
-        [[block[0], block[1], block[2], 0.0], [block[3], block[4], block[5], 0.0], [block[6], block[7], block[8], 0.0]];
+    let at = |k: usize| -> f64 { block[k].into() };
+    let rows = [[at(0), at(1), at(2), 0.0], [at(3), at(4), at(5), 0.0], [at(6), at(7), at(8), 0.0]];
     for (row, sum) in rows.iter().zip(sums) {
         for lane in 0..4 {
             sum[lane] = multiply_add::<FUSED>(row[lane], x[lane], sum[lane]);
@@ -54,8 +54,8 @@ fn add_block<const FUSED: bool>(block: &[f64; 9], x: &[f64; 3], sums: &mut [[f64
     }
 }
 
-/// `y_i = k Σ_j A_ij x_j + m M_i x_i` for rows of 3 × 3 blocks.
-pub(crate) struct Rows<'a> {
+/// `y_i = k Σ_j A_ij x_j + m M_i x_i` for rows of 3 × 3 blocks, in double precision whatever the blocks are kept in.
+pub(crate) struct Rows<'a, T> {
     /// First row.
     pub(crate) first: usize,
     /// First slot of each row, one more than there are rows.
@@ -63,7 +63,7 @@ pub(crate) struct Rows<'a> {
     /// Column of each slot of the matrix.
     pub(crate) columns: &'a [u32],
     /// Blocks of the matrix.
-    pub(crate) values: &'a [f64],
+    pub(crate) values: &'a [T],
     /// The whole vector.
     pub(crate) x: &'a [f64],
     /// The rows' part of the result.
@@ -72,7 +72,7 @@ pub(crate) struct Rows<'a> {
     pub(crate) shift: Option<(f64, f64, &'a [f64])>,
 }
 
-impl Widest for Rows<'_> {
+impl<T: Copy + Into<f64>> Widest for Rows<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -84,7 +84,7 @@ impl Widest for Rows<'_> {
         for (k, (y, bounds)) in y.iter_mut().zip(row_start.windows(2)).enumerate() {
             let mut sums = [[0.0; 4]; 3];
             for (block, &column) in blocks[bounds[0]..bounds[1]].iter().zip(&columns[bounds[0]..bounds[1]]) {
-                add_block::<FUSED>(block, &x[column as usize], &mut sums);
+                add_block::<FUSED, T>(block, &x[column as usize], &mut sums);
             }
             *y = sums.map(|s| (s[0] + s[1]) + s[2]);
             if let Some((scale, mass_scale, mass)) = shift {
