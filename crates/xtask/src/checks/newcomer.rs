@@ -5,8 +5,9 @@
 //! pass. That alone would also happen if no test ever looked at them; so in the second copy each has one mistake, and
 //! the same tests must fail, naming the newcomer.
 //!
-//! The files are those of the two how-to pages, which show them in full. Both copies share one build folder, which is
-//! kept for the next run.
+//! The files are those of the two how-to pages, which show them in full. Each copy has its own build folder, which is kept
+//! for the next run. Why not one for both? Cargo knows a package by its place in the workspace, so it would take what a
+//! build script found in one copy for what is in the other.
 
 use crate::checks::format::NEWCOMERS;
 use crate::scratch;
@@ -55,7 +56,7 @@ const ALL: &[Newcomer] = &[
         noticed: &[
             (Suite::Registries, "interpolation::shape_functions_belong_to_their_nodes", "prism18: N_"),
             (Suite::Registries, "interpolation::shape_functions_sum_to_one", "prism18 at "),
-            (Suite::Operators, "invariance::internal_forces_sum_to_zero", "prism18 / "),
+            (Suite::Operators, "invariance::internal_forces_sum_to_zero", "prism18 "),
         ],
     },
     Newcomer {
@@ -68,7 +69,7 @@ const ALL: &[Newcomer] = &[
         mistake: ["(Number::Rational(2, 1), J)", "(Number::Rational(3, 1), J)"],
         noticed: &[
             (Suite::Registries, "registry::rest_is_free_of_energy_and_stress", "blatz-ko ["),
-            (Suite::Operators, "invariance::translations_give_no_force", " / blatz-ko / "),
+            (Suite::Operators, "invariance::translations_give_no_force", "/ blatz-ko /"),
         ],
     },
 ];
@@ -178,7 +179,7 @@ fn in_copy(workspace: &Workspace, copy: &Path, arguments: &[&str]) -> Result<Out
         .args(QUICK)
         .args(arguments)
         // Not the repository's own: `souple` with newcomers must not take the place of the one that people run.
-        .env("CARGO_TARGET_DIR", workspace.target.join("xtask").join("newcomer").join("build"))
+        .env("CARGO_TARGET_DIR", workspace.target.join("xtask").join("newcomer").join(format!("{name}-build")))
         .env("RUST_BACKTRACE", "0")
         .output()
         .map_err(|e| format!("cannot start cargo: {e}"))
