@@ -97,7 +97,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         tell(&format!("{file}: warning: there is no [[expect]] in this scene, so --check checks nothing"));
     }
     if arguments.explain {
-        note(&explanation(&simulation));
+        note(&explanation(&mut simulation));
     }
 
     // A folder that cannot be written is found before the work, not after it.

@@ -115,13 +115,19 @@ fn a_failure_leaves_the_last_good_state() {
     place.souple("mesh info out/scene/last_good.vtu").ends_with(0);
 }
 
-/// `--explain` names every kind of element with its costs, and the solver.
+/// `--explain` names every kind of element with its costs, the solver, and why products are made as they are; what it
+/// measures changes no result.
 #[test]
 fn a_run_explains_itself() {
     let place = Place::new("run_explain");
     place.write("scene.toml", SCENE);
     let answer = place.souple("run scene.toml --explain --json --set time.end=0.02").ends_with(0);
-    for said in ["hex8 with stvk", "tet4 with stvk", "operations per element", "block-jacobi", "implicit-euler"] {
+    let costs = ["hex8 with stvk", "tet4 with stvk", "operations per element"];
+    let choices = ["block-jacobi", "implicit-euler", "measured with a matrix of", "without a matrix", "`auto`"];
+    for said in costs.into_iter().chain(choices) {
         assert!(answer.err.contains(said), "{said}: {}", answer.err);
     }
+    let silent = place.souple("run scene.toml --json --set time.end=0.02").ends_with(0);
+    assert_eq!(answer.json()["probes"], silent.json()["probes"]);
+    assert!(silent.json()["probes"].is_object());
 }
