@@ -40,6 +40,8 @@ enum Command {
     CheckLaw(commands::check_law::Arguments),
     /// Run a scene
     Run(commands::run::Arguments),
+    /// Measure what kernels cost on this machine
+    Bench(commands::bench::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -50,6 +52,7 @@ fn main() -> ExitCode {
         Command::Check(arguments) => commands::check::run(&arguments),
         Command::CheckLaw(arguments) => commands::check_law::run(&arguments),
         Command::Run(arguments) => commands::run::run(&arguments),
+        Command::Bench(arguments) => commands::bench::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -6,6 +6,8 @@
 
 #[path = "souple/bad_input.rs"]
 mod bad_input;
+#[path = "souple/bench.rs"]
+mod bench;
 #[path = "souple/command.rs"]
 mod command;
 #[path = "souple/derive.rs"]

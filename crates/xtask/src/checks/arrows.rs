@@ -48,9 +48,11 @@ const ARROWS: &[(&str, &[&str])] = &[
     ),
     ("souple-scene", &["souple-elements", "souple-laws"]),
     ("souple-simulation", &["*"]),
+    // Measures every layer, so that it must see every layer; nothing but the command stands on it.
+    ("souple-bench", &["*"]),
     ("souple-campaign", &["souple-simulation"]),
     ("souple-viewer", &["souple-simulation", "souple-campaign"]),
-    ("souple-cli", &["souple-simulation", "souple-campaign", "souple-viewer"]),
+    ("souple-cli", &["souple-simulation", "souple-bench", "souple-campaign", "souple-viewer"]),
     ("souple-python", &["souple-simulation", "souple-campaign"]),
     ("xtask", &[]),
 ];
