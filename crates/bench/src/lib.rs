@@ -4,6 +4,8 @@
 //! |---|---|---|
 //! | one kernel on one batch of elements | [`kernels::measure`] | the processor's peaks, kernels written by hand ([`handwritten`]), the same programs compiled ahead ([`ahead`]) |
 //! | force, products and assembly of a model | [`operators::measure`] | matrix-free beside assembled |
+//! | a step of a simulation | [`step::measure`] | its parts |
+//! | what comes before the first step | [`setup::measure`] | its parts, the highest memory |
 //!
 //! Rules that hold for every figure: it is the median of many short rounds with its quartiles ([`stopwatch`]); what is
 //! compared runs in the same process on the same data, one contender after the other in every round; the machine is
@@ -17,6 +19,8 @@ pub mod kernels;
 pub mod machine;
 pub mod operators;
 pub mod peak;
+pub mod setup;
+pub mod step;
 pub mod stopwatch;
 pub mod vectors;
 

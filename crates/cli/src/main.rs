@@ -40,7 +40,7 @@ enum Command {
     CheckLaw(commands::check_law::Arguments),
     /// Run a scene
     Run(commands::run::Arguments),
-    /// Measure what kernels cost on this machine
+    /// Measure what kernels, operators, steps and loading cost on this machine
     Bench(commands::bench::Arguments),
 }
 

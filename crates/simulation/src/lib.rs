@@ -5,6 +5,7 @@ pub mod law_report;
 pub mod lists;
 mod motion;
 mod output;
+mod phases;
 pub mod prepare;
 mod probes;
 mod run;
@@ -12,6 +13,7 @@ mod system;
 mod tensor;
 
 pub use output::{Iterations, Quantiles, Summary};
+pub use phases::PhaseTimes;
 pub use probes::{ExpectationResult, ProbeValue};
 pub use run::{Ending, LoadError, Progress, RunError, RunOptions, Simulation, open_device};
 

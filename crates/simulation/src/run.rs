@@ -1,6 +1,7 @@
 //! A simulation: built from a scene, advanced step by step, observed in between.
 
 use crate::motion::{Motion, Turn};
+use crate::phases::{PhaseTimes, Watched};
 use crate::prepare::{self, PrepareError, Prepared};
 use crate::probes::{ExpectationResult, Measured, ProbeValue};
 use crate::system::{FlatLoad, System};
@@ -307,6 +308,26 @@ impl Simulation {
         ))
     }
 
+    /// Begins to time the parts of steps; from then on [`Simulation::phases`] tells.
+    pub fn watch(&mut self) {
+        self.system.phases = Some(Arc::default());
+    }
+
+    /// Time that the parts of steps took since this was last asked, if it is watched; quasi-static steps are not.
+    pub fn phases(&self) -> Option<PhaseTimes> {
+        self.system.phases.as_ref().map(|phases| phases.take())
+    }
+
+    /// Number of unknowns.
+    pub fn unknowns(&self) -> usize {
+        self.state.u.len()
+    }
+
+    /// Number of elements.
+    pub fn element_count(&self) -> usize {
+        self.prepared.blocks.iter().map(|block| block.len()).sum()
+    }
+
     /// Kinetic energy of all nodes in J.
     pub fn kinetic_energy(&self) -> f64 {
         0.5 * self.state.v.iter().zip(&self.system.mass).map(|(v, m)| m * v * v).sum::<f64>()
@@ -324,7 +345,14 @@ impl Simulation {
             line_search: line_search(integrator.line_search),
             warm_start: if self.scene.linear_solver.warm_start { WarmStart::Previous } else { WarmStart::Zero },
         };
-        let report = step(&mut self.system, &mut self.state, h, method, &options, &mut self.workspace);
+        let phases = self.system.phases.clone();
+        let (state, workspace) = (&mut self.state, &mut self.workspace);
+        let report = match &phases {
+            Some(phases) => {
+                step(&mut Watched { system: &mut self.system, phases }, state, h, method, &options, workspace)
+            }
+            None => step(&mut self.system, state, h, method, &options, workspace),
+        };
         match report.status {
             StepStatus::Failed(failure) => return Err(failure.message),
             StepStatus::Unconverged(status) => {

@@ -14,6 +14,7 @@
 //! nodes are given to their masters once, at the start.
 
 use crate::motion::Motion;
+use crate::phases::{Phases, WatchedOperator};
 use souple_operators::{AssemblyMap, Elements, Masses, Threads};
 use souple_scene::linear_solver::{LinearMethod, LinearSolver, Operator, Precision, Preconditioner as Choice};
 use souple_solver::refinement::{RefinementWorkspace, refined_cg};
@@ -105,6 +106,8 @@ pub(crate) struct System {
     threads: Arc<Threads>,
     direct: Option<SkylineLdlt>,
     incomplete: Option<IncompleteCholesky>,
+    /// Where times are summed up, when somebody watches.
+    pub(crate) phases: Option<Arc<Phases>>,
 }
 
 /// The stiffness matrix and the matrix of the linear system, with the same pattern.
@@ -178,6 +181,7 @@ impl System {
             threads,
             direct: None,
             incomplete: None,
+            phases: None,
             elements,
         };
         if system.needs_matrix() {
@@ -369,6 +373,8 @@ impl System {
             max_iterations: self.solver.max_iterations as usize,
         };
         let preconditioner = self.preconditioner([m, k, c]);
+        let phases = self.phases.clone();
+        let watched = |operator| WatchedOperator { operator, phases: phases.as_deref() };
         let mut workspace = std::mem::take(&mut self.workspace);
         let mask = std::mem::take(&mut self.held);
         let projector = Mask { held: &mask };
@@ -382,8 +388,8 @@ impl System {
                 let cheap = Assembled { singles: Some(&self.singles), ..operator };
                 let refinement = &mut self.refinement;
                 refined_cg(
-                    &operator,
-                    &cheap,
+                    &watched(&operator),
+                    &watched(&cheap),
                     &*preconditioner,
                     &projector,
                     &Serial,
@@ -394,11 +400,11 @@ impl System {
                     refinement,
                 )
             } else {
-                cg(&operator, &*preconditioner, &projector, &Serial, rhs, x, &options, &mut workspace)
+                cg(&watched(&operator), &*preconditioner, &projector, &Serial, rhs, x, &options, &mut workspace)
             }
         } else {
             let operator = MatrixFree { system: RefCell::new(&mut *self), m, k, c };
-            cg(&operator, &*preconditioner, &projector, &Serial, rhs, x, &options, &mut workspace)
+            cg(&watched(&operator), &*preconditioner, &projector, &Serial, rhs, x, &options, &mut workspace)
         };
         self.held = mask;
         self.workspace = workspace;

@@ -2,6 +2,8 @@
 
 mod kernels;
 mod operators;
+mod setup;
+mod step;
 
 use crate::failure::{Failure, input};
 use clap::{Args, Subcommand};
@@ -25,12 +27,18 @@ enum What {
     Kernels(kernels::Arguments),
     /// Forces, products and assembly of models of one kind of elements: time per element
     Operators(operators::Arguments),
+    /// Implicit steps with a fixed number of iterations: time per step, and where it goes
+    Step(step::Arguments),
+    /// Loading a scene: seconds by phase, highest memory
+    Setup(setup::Arguments),
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     match &arguments.what {
         What::Kernels(arguments) => kernels::run(arguments),
         What::Operators(arguments) => operators::run(arguments),
+        What::Step(arguments) => step::run(arguments),
+        What::Setup(arguments) => setup::run(arguments),
     }
 }
 

@@ -100,7 +100,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Reads the files that a scene names: relative to the scene's folder.
-pub(super) fn reader(scene: &Path) -> impl FnMut(&str) -> Result<Vec<u8>, String> + use<> {
+pub(in crate::commands) fn reader(scene: &Path) -> impl FnMut(&str) -> Result<Vec<u8>, String> + use<> {
     let folder = scene.parent().map(Path::to_owned).unwrap_or_default();
     move |name| {
         let path = folder.join(name);

@@ -1,0 +1,147 @@
+//! `souple bench step`.
+
+use super::{at_least_one, machine_line, spread};
+use crate::commands::check::reader;
+use crate::failure::{Failure, input};
+use crate::files;
+use crate::terminal::{note, say, say_json, table};
+use clap::{Args, ValueEnum};
+use souple_bench::step::{Bar, Filling, Report, StepError, measure};
+use souple_simulation::RunOptions;
+use souple_simulation::lists::{find_element, find_law};
+use std::path::{Path, PathBuf};
+
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  souple bench step --cells 10000 --element tet4 --cg 25 --threads 1\n  \
+    souple bench step --scene scenes/mixed_bar.toml --steps 50 --json\n\n\
+    A generated bar makes implicit Euler steps with exactly so many iterations of conjugate gradients.")]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    bar: BarArguments,
+    /// Measure the steps of this scene instead of a generated bar's
+    #[arg(long, conflicts_with_all = ["cells", "element", "law", "cg", "operator"])]
+    scene: Option<PathBuf>,
+    #[command(flatten)]
+    device: DeviceArguments,
+    /// Number of steps that are measured
+    #[arg(long, default_value_t = 20, value_parser = at_least_one)]
+    steps: usize,
+    /// One line of JSON instead of a table
+    #[arg(long)]
+    json: bool,
+}
+
+/// What a bar is made of.
+#[derive(Debug, Args)]
+pub(super) struct BarArguments {
+    /// About how many elements the bar has
+    #[arg(long, default_value_t = 10_000, value_parser = at_least_one)]
+    cells: usize,
+    /// What fills it: an element (see: souple list elements), or `mixed` for prisms, pyramids, hexahedra and tetrahedra
+    #[arg(long, default_value = "tet4")]
+    element: String,
+    /// Its law, one with Young's modulus and Poisson's ratio
+    #[arg(long, default_value = "stvk")]
+    law: String,
+    /// Iterations of conjugate gradients per step
+    #[arg(long, default_value_t = 25, value_parser = at_least_one)]
+    cg: usize,
+    /// How the matrix is applied
+    #[arg(long, value_enum, default_value_t = Operator::Auto)]
+    operator: Operator,
+}
+
+/// The words of scenes.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Operator {
+    /// Whichever is measured to be cheaper
+    Auto,
+    /// Element by element
+    MatrixFree,
+    /// Assembled once per step
+    Assembled,
+}
+
+/// What runs it.
+#[derive(Debug, Args)]
+pub(super) struct DeviceArguments {
+    /// What to compute on (see: souple list devices)
+    #[arg(long, default_value = "cpu")]
+    device: String,
+    /// Number of threads; 0 takes as many as the machine has
+    #[arg(long, default_value_t = 1)]
+    threads: usize,
+}
+
+impl DeviceArguments {
+    pub(super) fn options(&self) -> RunOptions {
+        RunOptions { device: self.device.clone(), threads: super::threads(self.threads) }
+    }
+}
+
+impl BarArguments {
+    pub(super) fn bar(&self) -> Result<Bar, Failure> {
+        let filling = match self.element.as_str() {
+            "mixed" => Filling::Mixed,
+            id => Filling::Element(find_element(id).map_err(input)?.id.to_owned()),
+        };
+        let law = find_law(&self.law).map_err(input)?.id.to_owned();
+        let operator = match self.operator {
+            Operator::Auto => "auto",
+            Operator::MatrixFree => "matrix-free",
+            Operator::Assembled => "assembled",
+        };
+        Ok(Bar { filling, law, elements: self.cells, iterations: self.cg, operator: operator.to_owned() })
+    }
+}
+
+/// Failed steps have an exit code of their own.
+pub(super) fn failure(error: StepError) -> Failure {
+    match error {
+        StepError::Run(error) => Failure::Simulation(error.to_string()),
+        other => input(other),
+    }
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let options = arguments.device.options();
+    let mut progress = |next: &str| note(next);
+    let report = match &arguments.scene {
+        Some(path) => {
+            let text = files::read_text(path)?;
+            let file = path.display().to_string();
+            measure(&text, &file, &mut reader(path), &options, arguments.steps, &mut progress)
+        }
+        None => {
+            let text = arguments.bar.bar()?.scene();
+            let mut read = reader(Path::new("."));
+            measure(&text, "the generated bar", &mut read, &options, arguments.steps, &mut progress)
+        }
+    };
+    let report = report.map_err(failure)?;
+    if arguments.json { say_json(&report) } else { say(&text(&report)) }
+}
+
+fn text(report: &Report) -> String {
+    let phases = &report.phases_ms;
+    let rows: Vec<Vec<String>> = [
+        ("step", &report.step_ms),
+        ("  force", &phases.force),
+        ("  linearise", &phases.linearise),
+        ("  products", &phases.product),
+        ("  rest of solve", &phases.rest_of_solve),
+        ("  other", &phases.other),
+    ]
+    .map(|(name, ms)| vec![name.to_owned(), spread(ms)])
+    .into();
+    format!(
+        "{}\n{} elements, {} unknowns, {} steps of {} iterations, 99 of 100 below {:.3} ms\n\n{}",
+        machine_line(&report.machine, &report.device, report.threads),
+        report.elements,
+        report.unknowns,
+        report.step_ms.rounds,
+        report.iterations,
+        report.step_ms_p99,
+        table(&["", "ms"], &rows)
+    )
+}
