@@ -102,7 +102,7 @@ method = \"implicit-euler\"
 [linear_solver]
 preconditioner = \"none\"
 operator = \"{operator}\"
-tolerance = 0.0
+tolerance = 1e-30
 max_iterations = {iterations}
 
 [[body]]

@@ -6,7 +6,10 @@ use serde_json::Value;
 /// Whether a figure is a positive median between its quartiles.
 fn is_spread(value: &Value) -> bool {
     let at = |key: &str| value[key].as_f64().unwrap_or(f64::NAN);
-    at("median") > 0.0 && at("lower_quartile") <= at("median") && at("median") <= at("upper_quartile")
+    at("median") > 0.0
+        && at("least") <= at("lower_quartile")
+        && at("lower_quartile") <= at("median")
+        && at("median") <= at("upper_quartile")
 }
 
 /// Every program of an element is measured in cache and from memory, with all its figures; nothing but JSON is on

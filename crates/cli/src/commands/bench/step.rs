@@ -132,7 +132,7 @@ fn text(report: &Report) -> String {
         ("  rest of solve", &phases.rest_of_solve),
         ("  other", &phases.other),
     ]
-    .map(|(name, ms)| vec![name.to_owned(), spread(ms)])
+    .map(|(name, ms)| vec![name.to_owned(), spread(ms), format!("{:.3}", ms.least)])
     .into();
     format!(
         "{}\n{} elements, {} unknowns, {} steps of {} iterations, 99 of 100 below {:.3} ms\n\n{}",
@@ -142,6 +142,6 @@ fn text(report: &Report) -> String {
         report.step_ms.rounds,
         report.iterations,
         report.step_ms_p99,
-        table(&["", "ms"], &rows)
+        table(&["", "ms", "least"], &rows)
     )
 }
