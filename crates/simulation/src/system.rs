@@ -13,6 +13,8 @@
 //! what stands there is overwritten by [`SecondOrder::prescribe`] and never read. Masses, gravity and loads of following
 //! nodes are given to their masters once, at the start.
 
+mod product_times;
+
 use crate::motion::Motion;
 use crate::phases::{Phases, WatchedOperator};
 use souple_operators::{AssemblyMap, Elements, Masses, Threads};
@@ -26,38 +28,12 @@ use souple_solver::{
 };
 use std::cell::RefCell;
 use std::sync::Arc;
-use std::time::Instant;
 
 /// A load as the system keeps it: values per unknown and a factor of time.
 pub(crate) struct FlatLoad {
     pub(crate) forces: Vec<(usize, f64)>,
     pub(crate) factor: Vec<(f64, f64)>,
 }
-
-/// What products with the stiffness cost on this machine, in ms.
-pub(crate) struct ProductTimes {
-    /// Preparing products without a matrix.
-    pub(crate) linearise: f64,
-    /// One of them.
-    pub(crate) product: f64,
-    /// The same with a matrix, where there is one.
-    pub(crate) matrix: Option<Matrix>,
-}
-
-/// What a matrix costs.
-pub(crate) struct Matrix {
-    /// Number of blocks.
-    pub(crate) blocks: usize,
-    /// Memory that one product reads of it.
-    pub(crate) bytes: usize,
-    /// Making it, in ms.
-    pub(crate) assemble: f64,
-    /// One product, in ms.
-    pub(crate) product: f64,
-}
-
-/// Rounds of which the best counts: the machine has other work now and then.
-const ROUNDS: usize = 9;
 
 /// A model ready to be integrated.
 pub(crate) struct System {
@@ -256,46 +232,6 @@ impl System {
         self.external(t, out);
         self.with_expanded(u, |system, u| system.elements.add_force(u, out));
         self.elimination.restrict(out);
-    }
-
-    /// Times products and what prepares them, at the state at rest, each the best of some rounds.
-    ///
-    /// The next step linearises anew, so nothing of it is left in a simulation.
-    pub(crate) fn measure_products(&mut self) -> ProductTimes {
-        let len = self.mass.len();
-        // Not zero: denormal numbers and skipped work would flatter.
-        let x: Vec<f64> = (0..len).map(|k| 1.0 + (k % 7) as f64).collect();
-        let (rest, mut y) = (vec![0.0; len], vec![0.0; len]);
-        let mut best = |act: &mut dyn FnMut(&mut System, &mut [f64])| {
-            let mut least = f64::INFINITY;
-            for _ in 0..ROUNDS {
-                let before = Instant::now();
-                act(self, &mut y);
-                least = least.min(before.elapsed().as_secs_f64() * 1e3);
-            }
-            least
-        };
-        let linearise = best(&mut |system, _| system.elements.linearise(&rest));
-        let matrix_free = best(&mut |system, y| {
-            y.fill(0.0);
-            system.elements.add_tangent(-1.0, &x, y);
-        });
-        let assemble = best(&mut |system, _| system.linearise_at(&rest));
-        let assembled = best(&mut |system, y| {
-            if let Some(m) = &system.matrices {
-                let operator =
-                    Assembled { matrix: &m.stiffness, shift: None, mass: &[], threads: &system.threads, singles: None };
-                operator.apply(&x, y);
-            }
-        });
-        self.stale = true;
-        let matrix = self.matrices.as_ref().map(|m| Matrix {
-            blocks: m.stiffness.slot_count(),
-            bytes: size_of_val(m.stiffness.values()) + size_of_val(m.stiffness.columns()),
-            assemble,
-            product: assembled,
-        });
-        ProductTimes { linearise, product: matrix_free, matrix }
     }
 
     fn linearise_at(&mut self, u: &[f64]) {
