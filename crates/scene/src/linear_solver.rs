@@ -36,7 +36,7 @@ choices! {
 choices! {
     /// How the matrix is applied.
     pub enum Operator {
-        /// Whichever is measured to be cheaper.
+        /// The assembled matrix; `souple run --explain` measures both ways.
         Auto = "auto",
         /// Element by element, never stored.
         MatrixFree = "matrix-free",
