@@ -53,7 +53,7 @@ pub struct Row {
     pub assembled_product: Spread,
     /// Blocks computed and added into the matrix.
     pub assembly: Spread,
-    /// Non-zero blocks of the matrix per element.
+    /// Stored blocks of the matrix, on and above the diagonal, per element.
     pub blocks_per_element: f64,
 }
 
@@ -127,7 +127,14 @@ fn row(
     let linearise = ns(&mut || elements.linearise(&u));
     let matrix_free_product = ns(&mut || elements.add_tangent(1.0, &v, &mut f));
     let assembly = ns(&mut || elements.assemble(&u, &map, &mut matrix));
-    let assembled_product = ns(&mut || matrix.multiply_rows(0..matrix.row_count(), &v, &mut y));
+    let mut buffers = matrix.product_buffers();
+    let assembled_product = ns(&mut || {
+        matrix.load(&v, &mut buffers);
+        for part in 0..matrix.parts().len() {
+            matrix.run_part_in_place(None, part, &mut buffers);
+        }
+        matrix.finish_rows(0..matrix.row_count(), None, &v, &buffers, &mut y);
+    });
     Ok(Row {
         element: element.id,
         law: law.id,

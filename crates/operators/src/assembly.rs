@@ -4,15 +4,14 @@
 //! K_ij = Σ_elements K_ab      i, j the global nodes of the local nodes a, b
 //! ```
 //!
-//! Where each block goes is found once ([`AssemblyMap`]). K is symmetric: elements add to blocks on and above the diagonal
-//! only, and the others are copied from these at the end, in one pass over the matrix. Elements are taken in small waves,
-//! so that what a kernel writes is added while it is in the nearest caches; they add in their own order, whatever the
-//! number of threads that compute the blocks.
+//! Where each block goes is found once ([`AssemblyMap`]). K is symmetric: only blocks on and above the diagonal are kept.
+//! Elements are taken in small waves, so that what a kernel writes is added while it is in the nearest caches; they add in
+//! their own order, whatever the number of threads that compute the blocks.
 
 use crate::companion::Family;
 use crate::elements::{Block, Elements};
 use souple_kernels::{Kernel, LANES};
-use souple_solver::BlockCsr;
+use souple_solver::SymmetricBlocks;
 use std::sync::Arc;
 
 /// Bytes of element blocks that a thread computes before they are added: half of a small level-one cache and more of the
@@ -21,11 +20,9 @@ const WAVE: usize = 48 << 10;
 
 /// Places of the tangent blocks in a block matrix.
 pub struct AssemblyMap {
-    /// For each block of elements, [element][pair of the upper triangle]: slot on or above the diagonal, shifted left by
-    /// one, and whether the block is added transposed.
+    /// For each block of elements, [group][pair of the upper triangle][lane]: slot on or above the diagonal, shifted left by
+    /// one, and whether the block is added transposed. Lanes beyond the last element have zeros, which nobody reads.
     slots: Vec<Vec<u32>>,
-    /// Slots above the diagonal and those of their transposes, in order of the first.
-    mirrors: Vec<[u32; 2]>,
 }
 
 /// Which program gives a block's matrix blocks, and of which family; `None` for a block without one.
@@ -36,9 +33,9 @@ impl Elements {
     ///
     /// # Panics
     /// When the matrix would have more than 2³¹ blocks.
-    pub fn pattern(&self) -> (BlockCsr, AssemblyMap) {
+    pub fn pattern(&self) -> (SymmetricBlocks, AssemblyMap) {
         let groups = self.blocks.iter().flat_map(|b| b.spec.connectivity.chunks(b.spec.element.node_count()));
-        let matrix = BlockCsr::from_groups(self.dimension(), self.node_count(), groups)
+        let matrix = SymmetricBlocks::from_groups(self.dimension(), self.node_count(), groups)
             .expect("nodes of elements are nodes of the model");
         assert!(matrix.slot_count() < 1 << 31, "slots are counted in 31 bits");
         let slot = |a: u32, b: u32| matrix.slot(a as usize, b as usize).expect("the pattern holds every pair") as u32;
@@ -47,26 +44,24 @@ impl Elements {
             .iter()
             .map(|block| {
                 let n = block.spec.element.node_count();
-                let mut slots = Vec::with_capacity(block.spec.len() * n * (n + 1) / 2);
-                for nodes in block.spec.connectivity.chunks(n) {
-                    for (k, &a) in nodes.iter().enumerate() {
-                        slots.extend(nodes[k..].iter().map(|&b| slot(a.min(b), a.max(b)) << 1 | u32::from(a > b)));
+                let pairs = n * (n + 1) / 2;
+                let mut slots = vec![0; block.groups * pairs * LANES];
+                for (element, nodes) in block.spec.connectivity.chunks(n).enumerate() {
+                    let first = element / LANES * pairs * LANES + element % LANES;
+                    let of_pairs = nodes.iter().enumerate().flat_map(|(k, &a)| nodes[k..].iter().map(move |&b| (a, b)));
+                    for (pair, (a, b)) in of_pairs.enumerate() {
+                        slots[first + pair * LANES] = slot(a.min(b), a.max(b)) << 1 | u32::from(a > b);
                     }
                 }
                 slots
             })
             .collect();
-        let mirrors = (0..matrix.row_count())
-            .flat_map(|row| matrix.row_slots(row).map(move |s| (row, s)))
-            .filter(|&(row, s)| matrix.columns()[s] as usize > row)
-            .map(|(row, s)| [s as u32, slot(matrix.columns()[s], row as u32)])
-            .collect();
-        (matrix, AssemblyMap { slots, mirrors })
+        (matrix, AssemblyMap { slots })
     }
 
     /// Overwrites `matrix` by K = −∂f/∂u at `u`; with projected tangents at the state of the last
     /// [`Elements::linearise`].
-    pub fn assemble(&mut self, u: &[f64], map: &AssemblyMap, matrix: &mut BlockCsr) {
+    pub fn assemble(&mut self, u: &[f64], map: &AssemblyMap, matrix: &mut SymmetricBlocks) {
         let kernel_of = |block: &Block| match &block.projected {
             Some(projected) => Some((projected.blocks.clone(), Family::Projected)),
             None => Some((block.tangent_blocks(), Family::Elastic)),
@@ -75,7 +70,13 @@ impl Elements {
     }
 
     /// Overwrites `matrix` by the sum of the blocks that each block's program of a family gives, if it has one.
-    pub(crate) fn assemble_with(&mut self, u: &[f64], map: &AssemblyMap, matrix: &mut BlockCsr, kernel_of: &KernelOf) {
+    pub(crate) fn assemble_with(
+        &mut self,
+        u: &[f64],
+        map: &AssemblyMap,
+        matrix: &mut SymmetricBlocks,
+        kernel_of: &KernelOf,
+    ) {
         matrix.clear();
         let dimension = self.dimension();
         for (block, slots) in self.blocks.iter_mut().zip(&map.slots) {
@@ -91,53 +92,40 @@ impl Elements {
                 let count = wave.min(block.groups - first);
                 block.run_blocks(&kernel, family, u, first, count, &self.threads, &mut self.scratch);
                 let elements = (block.spec.len() - first * LANES).min(count * LANES);
-                let slots = &slots[first * LANES * pairs..][..elements * pairs];
-                for (element, slots) in slots.chunks(pairs).enumerate() {
-                    let values = &block.tangent[element / LANES * values..][..values];
+                let slots = slots[first * LANES * pairs..].chunks(LANES * pairs);
+                for (group, (values, slots)) in block.tangent.chunks(values).zip(slots).take(count).enumerate() {
+                    let lanes = (elements - group * LANES).min(LANES);
                     match dimension {
-                        3 => scatter::<3>(matrix, slots, values, element % LANES),
-                        2 => scatter::<2>(matrix, slots, values, element % LANES),
-                        _ => scatter::<1>(matrix, slots, values, element % LANES),
+                        3 => scatter::<3, 9>(matrix, slots, values, lanes),
+                        2 => scatter::<2, 4>(matrix, slots, values, lanes),
+                        _ => scatter::<1, 1>(matrix, slots, values, lanes),
                     }
                 }
                 first += count;
             }
         }
-        match dimension {
-            3 => mirror::<3>(matrix, &map.mirrors),
-            2 => mirror::<2>(matrix, &map.mirrors),
-            _ => mirror::<1>(matrix, &map.mirrors),
-        }
     }
 }
 
-/// Adds the blocks of the element in one lane; `values` are those of its group, [pair][row][column][lane].
-fn scatter<const D: usize>(matrix: &mut BlockCsr, slots: &[u32], values: &[f64], lane: usize) {
-    let (rows, _) = matrix.values_mut().as_chunks_mut::<D>();
-    let (targets, _) = rows.as_chunks_mut::<D>();
-    for (&slot, block) in slots.iter().zip(values.chunks_exact(D * D * LANES)) {
-        let target = &mut targets[(slot >> 1) as usize];
-        if slot & 1 == 0 {
-            for k in 0..D * D {
-                target[k / D][k % D] += block[k * LANES + lane];
+/// Adds the blocks of the elements in the first `lanes` of a group; `values` are theirs, [pair][row and column][lane].
+fn scatter<const D: usize, const DD: usize>(matrix: &mut SymmetricBlocks, slots: &[u32], values: &[f64], lanes: usize) {
+    let (targets, _) = matrix.values_mut().as_chunks_mut::<DD>();
+    let (values, _) = values.as_chunks::<LANES>();
+    let (blocks, _) = values.as_chunks::<DD>();
+    let (slots, _) = slots.as_chunks::<LANES>();
+    for (slots, block) in slots.iter().zip(blocks) {
+        for lane in 0..lanes {
+            let slot = slots[lane];
+            let target = &mut targets[(slot >> 1) as usize];
+            if slot & 1 == 0 {
+                for k in 0..DD {
+                    target[k] += block[k][lane];
+                }
+            } else {
+                for k in 0..DD {
+                    target[k % D * D + k / D] += block[k][lane];
+                }
             }
-        } else {
-            for k in 0..D * D {
-                target[k % D][k / D] += block[k * LANES + lane];
-            }
-        }
-    }
-}
-
-/// Copies blocks above the diagonal to their transposes below it.
-fn mirror<const D: usize>(matrix: &mut BlockCsr, mirrors: &[[u32; 2]]) {
-    let (rows, _) = matrix.values_mut().as_chunks_mut::<D>();
-    let (blocks, _) = rows.as_chunks_mut::<D>();
-    for &[upper, lower] in mirrors {
-        let block = blocks[upper as usize];
-        let target = &mut blocks[lower as usize];
-        for k in 0..D * D {
-            target[k % D][k / D] = block[k / D][k % D];
         }
     }
 }

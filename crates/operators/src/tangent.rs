@@ -9,7 +9,7 @@ use crate::elements::{Block, Destination, Elements};
 use crate::projection::make_positive;
 use souple_kernels::{Backend, CompileError, LANES};
 use souple_program::Costs;
-use souple_solver::BlockCsr;
+use souple_solver::SymmetricBlocks;
 
 /// Which derivative of the forces products and matrices use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -124,7 +124,7 @@ impl Elements {
     }
 
     /// Overwrites `matrix` by C at `u`.
-    pub fn assemble_damping(&mut self, u: &[f64], map: &AssemblyMap, matrix: &mut BlockCsr) {
+    pub fn assemble_damping(&mut self, u: &[f64], map: &AssemblyMap, matrix: &mut SymmetricBlocks) {
         let kernel_of = |block: &Block| block.viscous.as_ref().map(|v| (v.blocks.clone(), Family::Viscous));
         self.assemble_with(u, map, matrix, &kernel_of);
     }

@@ -13,18 +13,20 @@
 //! what stands there is overwritten by [`SecondOrder::prescribe`] and never read. Masses, gravity and loads of following
 //! nodes are given to their masters once, at the start.
 
+mod assembled;
 mod product_times;
 
 use crate::motion::Motion;
 use crate::phases::{Phases, WatchedOperator};
+use assembled::Assembled;
 use souple_operators::{AssemblyMap, Elements, Masses, Threads};
 use souple_scene::linear_solver::{LinearMethod, LinearSolver, Operator, Precision, Preconditioner as Choice};
 use souple_solver::refinement::{RefinementWorkspace, refined_cg};
 use souple_solver::vector::norm;
 use souple_solver::{
-    BlockCsr, BlockJacobi, CgOptions, CgWorkspace, Combination, CondensationMap, Csr, DirectSolver, Elimination,
-    Failure, Identity, IncompleteCholesky, Jacobi, LinearOperator, LinearReport, LoadProblem, NewtonProblem,
-    Preconditioner, Projector, SecondOrder, Serial, SkylineLdlt, VectorOps, cg, product_in_parts, solve_directly,
+    BlockJacobi, CgOptions, CgWorkspace, Combination, CondensationMap, Csr, DirectSolver, Elimination, Failure,
+    Identity, IncompleteCholesky, Jacobi, LinearOperator, LinearReport, LoadProblem, NewtonProblem, Preconditioner,
+    ProductBuffers, Projector, SecondOrder, Serial, Shift, SkylineLdlt, SymmetricBlocks, cg, solve_directly,
 };
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -89,14 +91,14 @@ pub(crate) struct System {
 /// The stiffness matrix and the matrix of the linear system, with the same pattern.
 struct Matrices {
     /// The stiffness of all nodes, where some follow others, and how it is condensed.
-    full: Option<(BlockCsr, CondensationMap)>,
-    stiffness: BlockCsr,
+    full: Option<(SymmetricBlocks, CondensationMap)>,
+    stiffness: SymmetricBlocks,
     /// Of viscous elements, where there are any.
-    viscosity: Option<BlockCsr>,
-    system: BlockCsr,
+    viscosity: Option<SymmetricBlocks>,
+    system: SymmetricBlocks,
     map: AssemblyMap,
-    /// Slot of the diagonal block of each node.
-    diagonal: Vec<u32>,
+    /// Memory for products with any of them.
+    buffers: RefCell<ProductBuffers>,
 }
 
 impl System {
@@ -168,11 +170,9 @@ impl System {
                 let (condensed, condensation) = system.elimination.pattern(&pattern);
                 (Some((pattern, condensation)), condensed)
             };
-            let diagonal = (0..stiffness.row_count())
-                .map(|n| stiffness.slot(n, n).expect("every node has its diagonal block") as u32)
-                .collect();
             let viscosity = system.elements.is_viscous().then(|| stiffness.clone());
-            system.matrices = Some(Matrices { full, system: stiffness.clone(), stiffness, viscosity, map, diagonal });
+            let buffers = RefCell::new(stiffness.product_buffers());
+            system.matrices = Some(Matrices { full, system: stiffness.clone(), stiffness, viscosity, map, buffers });
         }
         system
     }
@@ -277,10 +277,7 @@ impl System {
         if self.assembled_product()
             && let Some(m) = &self.matrices
         {
-            share_rows(&self.threads, &m.stiffness, y, |first, y| {
-                let d = m.stiffness.block();
-                m.stiffness.multiply_rows(first / d..(first + y.len()) / d, x, y);
-            });
+            Assembled::new(&m.stiffness, &m.buffers, &self.threads).apply(x, y);
             return;
         }
         if self.stale {
@@ -318,7 +315,8 @@ impl System {
             let matrices = self.matrices.as_ref().expect("an assembled product has its matrix");
             let shift = if self.needs_sum(c) { None } else { Some([k, m]) };
             let matrix = if shift.is_some() { &matrices.stiffness } else { &matrices.system };
-            let operator = Assembled { matrix, shift, mass: &self.mass, threads: &self.threads, singles: None };
+            let shift = shift.map(|[k, m]| Shift { k, m, diagonal: &self.mass });
+            let operator = Assembled { shift, ..Assembled::new(matrix, &matrices.buffers, &self.threads) };
             if self.solver.precision.value == Precision::Mixed && d == 3 {
                 matrix.write_single_values(&mut self.singles);
                 let cheap = Assembled { singles: Some(&self.singles), ..operator };
@@ -368,9 +366,9 @@ impl System {
             }
         }
         let values = matrices.system.values_mut();
-        for (node, &slot) in matrices.diagonal.iter().enumerate() {
+        for (node, &slot) in matrices.stiffness.row_starts()[..self.mass.len() / d].iter().enumerate() {
             for axis in 0..d {
-                values[slot as usize * d * d + axis * (d + 1)] += m * self.mass[node * d + axis];
+                values[slot * d * d + axis * (d + 1)] += m * self.mass[node * d + axis];
             }
         }
         if let Some((_, condensation)) = &matrices.full {
@@ -382,18 +380,15 @@ impl System {
     fn diagonal_blocks(&self, matrices: &Matrices, [m, k, c]: [f64; 3]) -> Vec<f64> {
         let d = self.dimension;
         let (size, summed) = (d * d, self.needs_sum(c));
-        let values = if summed { matrices.system.values() } else { matrices.stiffness.values() };
-        let mut blocks = Vec::with_capacity(matrices.diagonal.len() * size);
-        for (node, &slot) in matrices.diagonal.iter().enumerate() {
-            let block = &values[slot as usize * size..(slot as usize + 1) * size];
-            if summed {
-                blocks.extend_from_slice(block);
-                continue;
-            }
-            blocks.extend(block.iter().map(|value| k * value));
-            for axis in 0..d {
-                blocks[node * size + axis * (d + 1)] += m * self.mass[node * d + axis];
-            }
+        let mut blocks = vec![0.0; self.mass.len() * d];
+        if summed {
+            matrices.system.diagonal_blocks(&mut blocks);
+            return blocks;
+        }
+        matrices.stiffness.diagonal_blocks(&mut blocks);
+        blocks.iter_mut().for_each(|value| *value *= k);
+        for (unknown, mass) in self.mass.iter().enumerate() {
+            blocks[unknown / d * size + unknown % d * (d + 1)] += m * mass;
         }
         blocks
     }
@@ -464,7 +459,7 @@ impl System {
 }
 
 /// The matrix with identity rows for held unknowns.
-fn fixed_csr(matrix: &BlockCsr, held: &[bool]) -> Csr {
+fn fixed_csr(matrix: &SymmetricBlocks, held: &[bool]) -> Csr {
     let fixed: Vec<usize> = (0..held.len()).filter(|&k| held[k]).collect();
     let mut csr = matrix.to_csr();
     csr.fix_unknowns(&fixed);
@@ -512,69 +507,6 @@ impl Projector for Mask<'_> {
         }
         true
     }
-}
-
-/// A matrix, or k A + m M with the diagonal M of the masses.
-#[derive(Clone, Copy)]
-struct Assembled<'a> {
-    matrix: &'a BlockCsr,
-    /// k and m.
-    shift: Option<[f64; 2]>,
-    mass: &'a [f64],
-    threads: &'a Threads,
-    /// The values in single precision, to be used instead.
-    singles: Option<&'a [f32]>,
-}
-
-impl Assembled<'_> {
-    /// Rows of the product from the unknown `first` on.
-    fn rows(&self, first: usize, x: &[f64], y: &mut [f64]) {
-        let d = self.matrix.block();
-        let rows = first / d..(first + y.len()) / d;
-        if let Some(values) = self.singles {
-            self.matrix.multiply_rows_of_singles(values, rows, self.shift.unwrap_or([1.0, 0.0]), self.mass, x, y);
-            return;
-        }
-        match self.shift {
-            Some(shift) => self.matrix.multiply_rows_shifted(rows, shift, self.mass, x, y),
-            None => self.matrix.multiply_rows(rows, x, y),
-        }
-    }
-}
-
-impl LinearOperator for Assembled<'_> {
-    fn len(&self) -> usize {
-        self.matrix.row_count() * self.matrix.block()
-    }
-
-    fn apply(&self, x: &[f64], y: &mut [f64]) {
-        share_rows(self.threads, self.matrix, y, |first, y| self.rows(first, x, y));
-    }
-
-    fn apply_and_dot(&self, projector: &dyn Projector, p: &[f64], q: &mut [f64]) -> f64 {
-        if shared(self.threads, self.matrix) {
-            self.apply(p, q);
-            projector.project(q);
-            return Serial.dot(p, q);
-        }
-        product_in_parts(projector, p, q, |first, q| self.rows(first, p, q))
-    }
-}
-
-/// Whether a product is worth more than one thread.
-fn shared(threads: &Threads, matrix: &BlockCsr) -> bool {
-    threads.count() > 1 && matrix.row_count() >= 4096
-}
-
-/// Calls `rows` with parts of `y` and their first unknown; rows are independent, so threads change no bit.
-fn share_rows(threads: &Threads, matrix: &BlockCsr, y: &mut [f64], rows: impl Fn(usize, &mut [f64]) + Sync) {
-    if !shared(threads, matrix) {
-        rows(0, y);
-        return;
-    }
-    let per_task = matrix.row_count().div_ceil(4 * threads.count()).max(1) * matrix.block();
-    let mut tasks: Vec<(usize, &mut [f64])> = y.chunks_mut(per_task).enumerate().collect();
-    threads.run(&mut tasks, |(task, y)| rows(*task * per_task, y));
 }
 
 /// `m M + k K + c C` without a matrix. The elements keep scratch memory, hence the cell; nothing is shared between threads.

@@ -1,6 +1,6 @@
 //! Sparse rows of single entries, sorted by column: what factorisations read.
 //!
-//! Products of large block systems are better taken with [`crate::BlockCsr`].
+//! Products of large block systems are better taken with [`crate::SymmetricBlocks`].
 
 use crate::operator::LinearOperator;
 

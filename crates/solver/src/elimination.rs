@@ -15,7 +15,8 @@
 //! Rows are blocks of as many unknowns as a node has axes; all of a row follow with the same weights.
 //! Sums are taken in a fixed order on one thread: the same bits, whatever the number of threads elsewhere.
 
-use crate::block_csr::BlockCsr;
+use crate::symmetric_blocks::SymmetricBlocks;
+use std::cmp::Ordering;
 
 /// Rows that follow others.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -29,13 +30,30 @@ pub struct Elimination {
     masters: Vec<(u32, f64)>,
 }
 
-/// Where each stored block of K goes in K̂: `targets[starts[slot]..starts[slot + 1]]` are slots of K̂ with weights.
+/// Where each stored block of K goes in K̂: those of a slot are `targets[starts[slot]..starts[slot + 1]]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CondensationMap {
     starts: Vec<u32>,
-    targets: Vec<(u32, f64)>,
+    targets: Vec<Target>,
     /// Slots of K̂ of the diagonal blocks of rows that follow.
     idle: Vec<u32>,
+}
+
+/// A slot of K̂ that a block of K is added to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Target {
+    slot: u32,
+    weight: f64,
+    turn: Turn,
+}
+
+/// How a block is added. K and K̂ keep their upper halves only: what goes below the diagonal goes above it transposed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Turn {
+    AsIs,
+    Transposed,
+    /// Both: a block of two different rows that ends on the diagonal, and so does its mirror image.
+    Sum,
 }
 
 impl Elimination {
@@ -120,15 +138,16 @@ impl Elimination {
     }
 
     /// An empty K̂ for matrices with the pattern of `full`, and where the blocks of those go.
-    pub fn pattern(&self, full: &BlockCsr) -> (BlockCsr, CondensationMap) {
+    pub fn pattern(&self, full: &SymmetricBlocks) -> (SymmetricBlocks, CondensationMap) {
         let row_count = full.row_count() as u32;
         let masters: Vec<Vec<(u32, f64)>> = (0..row_count).map(|row| self.masters_of(row)).collect();
         let mut pattern: Vec<Vec<u32>> = (0..row_count).map(|row| vec![row]).collect();
         for (row, of_row) in masters.iter().enumerate() {
             for slot in full.row_slots(row) {
-                let of_column = &masters[full.columns()[slot] as usize];
                 for &(i, _) in of_row {
-                    pattern[i as usize].extend(of_column.iter().map(|c| c.0));
+                    for &(j, _) in &masters[full.columns()[slot] as usize] {
+                        pattern[i.min(j) as usize].push(i.max(j));
+                    }
                 }
             }
         }
@@ -136,14 +155,23 @@ impl Elimination {
             columns.sort_unstable();
             columns.dedup();
         }
-        let condensed = BlockCsr::from_pattern(full.block(), &pattern).expect("columns are sorted and in range");
+        let condensed = SymmetricBlocks::from_pattern(full.block(), &pattern).expect("columns are sorted and in range");
         let slot = |i: u32, j: u32| condensed.slot(i as usize, j as usize).expect("the pattern holds the pair") as u32;
         let mut map = CondensationMap { starts: vec![0], targets: Vec::new(), idle: Vec::new() };
         for (row, of_row) in masters.iter().enumerate() {
             for at in full.row_slots(row) {
+                let column = full.columns()[at] as usize;
                 for &(i, w) in of_row {
-                    let of_column = masters[full.columns()[at] as usize].iter();
-                    map.targets.extend(of_column.map(|&(j, v)| (slot(i, j), w * v)));
+                    for &(j, v) in &masters[column] {
+                        let turn = match i.cmp(&j) {
+                            // A diagonal block gives both (i, j) and (j, i): one of them is kept.
+                            Ordering::Greater if column == row => continue,
+                            Ordering::Greater => Turn::Transposed,
+                            Ordering::Equal if column != row => Turn::Sum,
+                            Ordering::Equal | Ordering::Less => Turn::AsIs,
+                        };
+                        map.targets.push(Target { slot: slot(i.min(j), i.max(j)), weight: w * v, turn });
+                    }
                 }
                 map.starts.push(u32::try_from(map.targets.len()).expect("a matrix has less than 2³² blocks"));
             }
@@ -155,17 +183,23 @@ impl Elimination {
 
 impl CondensationMap {
     /// K̂ ← Tᵀ K T, with identity blocks on the rows that follow.
-    pub fn condense(&self, full: &BlockCsr, condensed: &mut BlockCsr) {
+    pub fn condense(&self, full: &SymmetricBlocks, condensed: &mut SymmetricBlocks) {
         let b = full.block();
         let size = b * b;
         condensed.clear();
         let (from, to) = (full.values(), condensed.values_mut());
         for (slot, range) in self.starts.windows(2).enumerate() {
             let block = &from[slot * size..(slot + 1) * size];
-            for &(target, weight) in &self.targets[range[0] as usize..range[1] as usize] {
-                let target = &mut to[target as usize * size..][..size];
-                for (t, x) in target.iter_mut().zip(block) {
-                    *t += weight * x;
+            for &Target { slot, weight, turn } in &self.targets[range[0] as usize..range[1] as usize] {
+                let target = &mut to[slot as usize * size..][..size];
+                for (k, t) in target.iter_mut().enumerate() {
+                    let mirrored = block[k % b * b + k / b];
+                    *t += weight
+                        * match turn {
+                            Turn::AsIs => block[k],
+                            Turn::Transposed => mirrored,
+                            Turn::Sum => block[k] + mirrored,
+                        };
                 }
             }
         }
@@ -173,7 +207,7 @@ impl CondensationMap {
     }
 
     /// Writes identity blocks on the rows that follow: they meet nobody, and diagonal preconditioners can divide.
-    pub fn write_idle(&self, condensed: &mut BlockCsr) {
+    pub fn write_idle(&self, condensed: &mut SymmetricBlocks) {
         let b = condensed.block();
         for &slot in &self.idle {
             for k in 0..b {
@@ -189,12 +223,16 @@ mod tests {
     use crate::operator::LinearOperator;
 
     /// Four rows of two unknowns: row 1 follows 0 and 3, row 2 follows 3 alone.
-    fn sample() -> (Elimination, BlockCsr) {
+    fn sample() -> (Elimination, SymmetricBlocks) {
         let elimination = Elimination::new(2, [(1, &[(0, 0.25), (3, 0.75)][..]), (2, &[(3, 1.0)][..])]);
-        let pattern: Vec<Vec<u32>> = vec![vec![0, 1], vec![0, 1, 2], vec![1, 2, 3], vec![2, 3]];
-        let mut full = BlockCsr::from_pattern(2, &pattern).unwrap();
+        let pattern: Vec<Vec<u32>> = vec![vec![0, 1], vec![1, 2], vec![2, 3], vec![3]];
+        let mut full = SymmetricBlocks::from_pattern(2, &pattern).unwrap();
         for (k, value) in full.values_mut().iter_mut().enumerate() {
             *value = ((k * 37 + 11) % 17) as f64 - 5.0;
+        }
+        for row in 0..4 {
+            let diagonal = full.row_slots(row).start * 4;
+            full.values_mut()[diagonal + 2] = full.values()[diagonal + 1];
         }
         (elimination, full)
     }

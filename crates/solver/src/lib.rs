@@ -22,7 +22,6 @@
 //! Sums are taken in fixed blocks (see [`vector`]), so that an implementation of [`VectorOps`] on several threads gives
 //! the same bits.
 
-pub mod block_csr;
 pub mod block_jacobi;
 pub mod cg;
 pub mod critical_step;
@@ -47,10 +46,11 @@ mod stage;
 pub mod step;
 #[cfg(feature = "direct")]
 pub mod supernodal;
+pub mod symmetric_blocks;
+pub mod symmetric_products;
 pub mod vector;
 mod vectors;
 
-pub use block_csr::{BlockCsr, PatternError};
 pub use block_jacobi::BlockJacobi;
 pub use cg::{CgOptions, CgWorkspace, LinearReport, LinearStatus, cg};
 pub use critical_step::{CriticalStep, StepBound, critical_step, stable_step};
@@ -76,4 +76,6 @@ pub use second_order::{Combination, SecondOrder};
 pub use step::{Previous, State, StepOptions, StepReport, StepStatus, StepWorkspace, WarmStart, step};
 #[cfg(feature = "direct")]
 pub use supernodal::SupernodalCholesky;
+pub use symmetric_blocks::{PatternError, SymmetricBlocks};
+pub use symmetric_products::{Part, ProductBuffers, Shift};
 pub use vector::{PairwiseSum, Serial, VectorOps};

@@ -4,7 +4,8 @@
 //! loops below run in a version compiled for them. The choice is made once per process and never in between, so that
 //! one machine always gives the same bits.
 //!
-//! A row of a block is read as four numbers, of which the last belongs to the next row: it meets a zero of the vector.
+//! A row of a block is read as four numbers, of which the last belongs to the next row: it meets a zero of the vector, or
+//! ends in a sum that nobody reads.
 
 use pulp::Arch;
 
@@ -41,57 +42,130 @@ fn multiply_add<const FUSED: bool>(a: f64, b: f64, c: f64) -> f64 {
     if FUSED { a.mul_add(b, c) } else { a * b + c }
 }
 
-/// `sums[i] += row i of block · x`, kept as four partial sums each, of which the last holds nothing.
-#[inline(always)]
-fn add_block<const FUSED: bool, T: Copy + Into<f64>>(block: &[T; 9], x: &[f64; 3], sums: &mut [[f64; 4]; 3]) {
-    let x = [x[0], x[1], x[2], 0.0];
-    let at = |k: usize| -> f64 { block[k].into() };
-    let rows = [[at(0), at(1), at(2), 0.0], [at(3), at(4), at(5), 0.0], [at(6), at(7), at(8), 0.0]];
-    for (row, sum) in rows.iter().zip(sums) {
-        for lane in 0..4 {
-            sum[lane] = multiply_add::<FUSED>(row[lane], x[lane], sum[lane]);
+/// What a matrix is kept in.
+pub(crate) trait Stored: Copy + Into<f64> {
+    /// Four of them as vectors of four.
+    #[cfg(target_arch = "x86_64")]
+    fn four(simd: pulp::x86::V3, values: [Self; 4]) -> pulp::f64x4;
+}
+
+impl Stored for f64 {
+    #[cfg(target_arch = "x86_64")]
+    #[inline(always)]
+    fn four(_simd: pulp::x86::V3, values: [f64; 4]) -> pulp::f64x4 {
+        pulp::cast(values)
+    }
+}
+
+impl Stored for f32 {
+    #[cfg(target_arch = "x86_64")]
+    #[inline(always)]
+    fn four(simd: pulp::x86::V3, values: [f32; 4]) -> pulp::f64x4 {
+        simd.convert_f32x4_to_f64x4(pulp::cast(values))
+    }
+}
+
+/// Sums of a part of the upper half of a symmetric matrix of 3 × 3 blocks, in double precision whatever the blocks are
+/// kept in:
+///
+/// ```text
+/// sums_i = Σ_{j ≥ i} A_ij x_j      sums_j += A_ijᵀ x_i  for j > i
+/// ```
+pub(crate) struct Upper<'a, T> {
+    /// First row.
+    pub(crate) first: usize,
+    /// First slot of each row, one more than there are rows; the first slot of a row is its diagonal.
+    pub(crate) row_start: &'a [usize],
+    /// Column of each slot of the matrix.
+    pub(crate) columns: &'a [u32],
+    /// Blocks of the matrix, and one more number.
+    pub(crate) values: &'a [T],
+    /// The whole vector, each row followed by a zero.
+    pub(crate) x: &'a [[f64; 4]],
+    /// The sums from the first row on; the last number of each means nothing.
+    pub(crate) sums: &'a mut [[f64; 4]],
+}
+
+/// Runs a part with the widest vectors that help: a row of a block is three numbers, read as four.
+pub(crate) fn upper<T: Stored>(work: Upper<'_, T>) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(simd) = pulp::x86::V3::try_new() {
+        simd.vectorize(Wide { simd, work });
+        return;
+    }
+    work.narrow();
+}
+
+impl<T: Stored> Upper<'_, T> {
+    /// The same in plain numbers.
+    fn narrow(self) {
+        let Upper { first, row_start, columns, values, x, sums } = self;
+        sums.fill([0.0; 4]);
+        let (blocks, _) = values.as_chunks::<9>();
+        for (k, slots) in row_start.windows(2).enumerate() {
+            let own = x[first + k];
+            let mut sum = [0.0; 3];
+            for (block, &column) in blocks[slots[0]..slots[1]].iter().zip(&columns[slots[0]..slots[1]]) {
+                let (column, block) = (column as usize, block.map(Into::into));
+                for i in 0..3 {
+                    for j in 0..3 {
+                        sum[i] += block[3 * i + j] * x[column][j];
+                    }
+                }
+                if column > first + k {
+                    for i in 0..3 {
+                        for j in 0..3 {
+                            sums[column - first][j] += block[3 * i + j] * own[i];
+                        }
+                    }
+                }
+            }
+            for i in 0..3 {
+                sums[k][i] += sum[i];
+            }
         }
     }
 }
 
-/// `y_i = k Σ_j A_ij x_j + m M_i x_i` for rows of 3 × 3 blocks, in double precision whatever the blocks are kept in.
-pub(crate) struct Rows<'a, T> {
-    /// First row.
-    pub(crate) first: usize,
-    /// First slot of each row, one more than there are rows.
-    pub(crate) row_start: &'a [usize],
-    /// Column of each slot of the matrix.
-    pub(crate) columns: &'a [u32],
-    /// Blocks of the matrix.
-    pub(crate) values: &'a [T],
-    /// The whole vector.
-    pub(crate) x: &'a [f64],
-    /// The rows' part of the result.
-    pub(crate) y: &'a mut [f64],
-    /// k, m and the diagonal M of the whole matrix; none: k = 1, m = 0.
-    pub(crate) shift: Option<(f64, f64, &'a [f64])>,
+#[cfg(target_arch = "x86_64")]
+struct Wide<'a, T> {
+    simd: pulp::x86::V3,
+    work: Upper<'a, T>,
 }
 
-impl<T: Copy + Into<f64>> Widest for Rows<'_, T> {
+#[cfg(target_arch = "x86_64")]
+impl<T: Stored> pulp::NullaryFnOnce for Wide<'_, T> {
     type Output = ();
 
     #[inline(always)]
-    fn run<const FUSED: bool>(self) {
-        let Rows { first, row_start, columns, values, x, y, shift } = self;
-        let (x, _) = x.as_chunks::<3>();
-        let (y, _) = y.as_chunks_mut::<3>();
-        let (blocks, _) = values.as_chunks::<9>();
-        for (k, (y, bounds)) in y.iter_mut().zip(row_start.windows(2)).enumerate() {
-            let mut sums = [[0.0; 4]; 3];
-            for (block, &column) in blocks[bounds[0]..bounds[1]].iter().zip(&columns[bounds[0]..bounds[1]]) {
-                add_block::<FUSED, T>(block, &x[column as usize], &mut sums);
-            }
-            *y = sums.map(|s| (s[0] + s[1]) + s[2]);
-            if let Some((scale, mass_scale, mass)) = shift {
-                let row = first + k;
-                for i in 0..3 {
-                    y[i] = multiply_add::<FUSED>(mass_scale * mass[3 * row + i], x[row][i], scale * y[i]);
+    fn call(self) {
+        let Wide { simd, work: Upper { first, row_start, columns, values, x, sums } } = self;
+        let rows_of = |block: &[T]| -> [pulp::f64x4; 3] {
+            std::array::from_fn(|r| {
+                T::four(simd, *block[3 * r..].first_chunk().expect("a block is followed by another number"))
+            })
+        };
+        sums.fill([0.0; 4]);
+        for (k, slots) in row_start.windows(2).enumerate() {
+            let own = x[first + k];
+            let spread = [simd.splat_f64x4(own[0]), simd.splat_f64x4(own[1]), simd.splat_f64x4(own[2])];
+            // Four partial sums per row of the block, of which the last holds nothing.
+            let diagonal = rows_of(&values[9 * slots[0]..9 * slots[0] + 10]);
+            let mut sum = diagonal.map(|row| simd.mul_f64x4(row, pulp::cast(own)));
+            let blocks = values[9 * slots[0] + 9..9 * slots[1] + 1].windows(10).step_by(9);
+            for (block, &column) in blocks.zip(&columns[slots[0] + 1..slots[1]]) {
+                let column = column as usize;
+                let right = pulp::cast(x[column]);
+                let target = &mut sums[column - first];
+                let mut below: pulp::f64x4 = pulp::cast(*target);
+                for ((row, sum), own) in rows_of(block).into_iter().zip(&mut sum).zip(spread) {
+                    *sum = simd.mul_add_f64x4(row, right, *sum);
+                    below = simd.mul_add_f64x4(row, own, below);
                 }
+                *target = pulp::cast(below);
+            }
+            for (target, sum) in sums[k].iter_mut().zip(sum) {
+                *target += sum.0 + sum.1 + sum.2;
             }
         }
     }
@@ -143,32 +217,43 @@ mod tests {
             .collect()
     }
 
-    /// Rows of blocks, whatever the processor has, are the sums that they stand for.
+    /// Sums of a part, with vectors and without and in both precisions, are those of the whole symmetric matrix.
     #[test]
-    fn rows_are_sums_of_products() {
-        let row_start = [0, 2, 5, 6];
-        let columns = [0, 2, 0, 1, 2, 1];
-        let (values, x, mass) = (sample(6 * 9, 1), sample(9, 2), sample(9, 3));
-        let mut y = vec![0.0; 9];
-        widest(Rows {
-            first: 0,
-            row_start: &row_start,
-            columns: &columns,
-            values: &values,
-            x: &x,
-            y: &mut y,
-            shift: Some((0.3, 1.7, &mass)),
-        });
-        for row in 0..3 {
-            for i in 0..3 {
-                let slots = row_start[row]..row_start[row + 1];
-                let product = |slot: usize| -> f64 {
-                    (0..3).map(|j| values[9 * slot + 3 * i + j] * x[3 * columns[slot] as usize + j]).sum()
-                };
-                let at = 3 * row + i;
-                let expected = 0.3 * slots.map(product).sum::<f64>() + 1.7 * mass[at] * x[at];
-                assert!((y[at] - expected).abs() < 1e-15, "{} for {expected}", y[at]);
+    fn sums_of_a_part_are_those_of_the_symmetric_matrix() {
+        // Rows 1 to 3 of five.
+        let (first, row_start) = (1, [1, 4, 6, 7]);
+        let columns = [0, 1, 2, 4, 2, 3, 3, 4];
+        let singles: Vec<f32> = sample(8 * 9 + 1, 1).iter().map(|&v| v as f32).collect();
+        let values: Vec<f64> = singles.iter().map(|&v| f64::from(v)).collect();
+        let x: Vec<[f64; 4]> = sample(15, 2).chunks(3).map(|x| [x[0], x[1], x[2], 0.0]).collect();
+        let mut expected = [[0.0; 3]; 4];
+        for row in 1..4 {
+            for slot in row_start[row - first]..row_start[row] {
+                let column = columns[slot] as usize;
+                for i in 0..3 {
+                    for j in 0..3 {
+                        let value = values[9 * slot + 3 * i + j];
+                        expected[row - first][i] += value * x[column][j];
+                        if column > row {
+                            expected[column - first][j] += value * x[row][i];
+                        }
+                    }
+                }
             }
         }
+        let same = |sums: &[[f64; 4]]| {
+            for (got, want) in sums.iter().zip(&expected) {
+                assert!((0..3).all(|i| (got[i] - want[i]).abs() < 1e-15), "{got:?} for {want:?}");
+            }
+        };
+        let stale = vec![[7.0; 4]; 4];
+        let mut sums = [stale.clone(), stale.clone(), stale.clone(), stale];
+        let [wide, narrow, wide_singles, narrow_singles] = &mut sums;
+        let columns = &columns;
+        upper(Upper { first, row_start: &row_start, columns, values: &values, x: &x, sums: wide });
+        Upper { first, row_start: &row_start, columns, values: &values, x: &x, sums: narrow }.narrow();
+        upper(Upper { first, row_start: &row_start, columns, values: &singles, x: &x, sums: wide_singles });
+        Upper { first, row_start: &row_start, columns, values: &singles, x: &x, sums: narrow_singles }.narrow();
+        sums.iter().for_each(|s| same(s));
     }
 }

@@ -3,19 +3,19 @@
 
 use proptest::prelude::*;
 use souple_solver::{
-    BlockCsr, CgOptions, CgWorkspace, Csr, DirectError, DirectSolver, FixedUnknowns, Identity, IncompleteCholesky,
+    CgOptions, CgWorkspace, Csr, DirectError, DirectSolver, FixedUnknowns, Identity, IncompleteCholesky,
     IncompleteCholeskyError, LinearOperator, LinearStatus, NoProjection, PatternError, Preconditioner, Projector,
-    Serial, SkylineLdlt, cg, solve_directly,
+    Serial, Shift, SkylineLdlt, SymmetricBlocks, cg, solve_directly,
 };
 
 /// A symmetric positive definite block matrix: the coupling graph of a w × h grid with diagonals, blocks of b × b.
-fn grid(b: usize, w: usize, h: usize) -> BlockCsr {
+fn grid(b: usize, w: usize, h: usize) -> SymmetricBlocks {
     let groups: Vec<Vec<u32>> = (0..h - 1)
         .flat_map(|j| (0..w - 1).map(move |i| vec![j * w + i, j * w + i + 1, (j + 1) * w + i, (j + 1) * w + i + 1]))
         .map(|group| group.into_iter().map(|node| node as u32).collect())
         .collect();
     let mut matrix =
-        BlockCsr::from_groups(b, w * h, groups.iter().map(Vec::as_slice)).expect("groups name rows of the grid");
+        SymmetricBlocks::from_groups(b, w * h, groups.iter().map(Vec::as_slice)).expect("groups name rows of the grid");
     // Each group adds G Gᵀ of pseudo-random columns: symmetric and positive semidefinite, as assembled matrices are.
     let mut seed = 1u64;
     let mut random = || {
@@ -29,7 +29,9 @@ fn grid(b: usize, w: usize, h: usize) -> BlockCsr {
                 let block: Vec<f64> = (0..b * b)
                     .map(|e| (0..3).map(|k| g[(i * b + e / b) * 3 + k] * g[(j * b + e % b) * 3 + k]).sum())
                     .collect();
-                matrix.add_block(row as usize, column as usize, &block);
+                if row <= column {
+                    matrix.add_block(row as usize, column as usize, &block);
+                }
             }
         }
     }
@@ -48,69 +50,115 @@ fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// For every block size the block product, the product by ranges of rows and the product of the single entries agree
-/// with the dense one.
+/// The whole matrix as rows of numbers.
+fn dense(matrix: &SymmetricBlocks) -> Vec<Vec<f64>> {
+    let (b, n) = (matrix.block(), matrix.len());
+    let mut dense = vec![vec![0.0; n]; n];
+    for row in 0..matrix.row_count() {
+        for slot in matrix.row_slots(row) {
+            let column = matrix.columns()[slot] as usize;
+            for i in 0..b {
+                for j in 0..b {
+                    let value = matrix.values()[(slot * b + i) * b + j];
+                    dense[row * b + i][column * b + j] = value;
+                    dense[column * b + j][row * b + i] = value;
+                }
+            }
+        }
+    }
+    dense
+}
+
+/// For every block size the block product and the product of the single entries agree with the dense one, shifted or not.
 #[test]
 fn block_products_are_dense_products() {
     for b in 1..=7 {
         let matrix = grid(b, 5, 4);
         let n = matrix.len();
         let x = ramp(n);
-        let mut dense = vec![0.0; n];
-        for row in 0..matrix.row_count() {
-            for column in 0..matrix.row_count() {
-                if let Some(slot) = matrix.slot(row, column) {
-                    for i in 0..b {
-                        for j in 0..b {
-                            dense[row * b + i] += matrix.values()[(slot * b + i) * b + j] * x[column * b + j];
-                        }
-                    }
-                }
-            }
-        }
+        let rows = dense(&matrix);
+        let expected: Vec<f64> = rows.iter().map(|row| row.iter().zip(&x).map(|(a, x)| a * x).sum()).collect();
         let mut product = vec![f64::NAN; n];
         matrix.apply(&x, &mut product);
-        assert!(largest_difference(&product, &dense) < 1e-13, "block size {b}");
+        assert!(largest_difference(&product, &expected) < 1e-13, "block size {b}");
 
-        let mut by_ranges = vec![f64::NAN; n];
-        let (head, tail) = by_ranges.split_at_mut(7 * b);
-        matrix.multiply_rows(0..7, &x, head);
-        matrix.multiply_rows(7..20, &x, tail);
-        assert_eq!(product, by_ranges, "block size {b}");
+        let diagonal: Vec<f64> = x.iter().map(|x| 2.0 + x).collect();
+        let mut buffers = matrix.product_buffers();
+        matrix.load(&x, &mut buffers);
+        matrix.run_part_in_place(None, 0, &mut buffers);
+        let shift = Shift { k: 0.3, m: 1.7, diagonal: &diagonal };
+        matrix.finish_rows(0..matrix.row_count(), Some(shift), &x, &buffers, &mut product);
+        let shifted: Vec<f64> = (0..n).map(|k| 0.3 * expected[k] + 1.7 * diagonal[k] * x[k]).collect();
+        assert!(largest_difference(&product, &shifted) < 1e-13, "block size {b}");
 
         let csr = matrix.to_csr();
-        csr.apply(&x, &mut by_ranges);
-        assert!(largest_difference(&by_ranges, &dense) < 1e-13, "block size {b}");
-        let mut diagonal = vec![0.0; n * b];
-        matrix.diagonal_blocks(&mut diagonal);
+        csr.apply(&x, &mut product);
+        assert!(largest_difference(&product, &expected) < 1e-13, "block size {b}");
+        let mut blocks = vec![0.0; n * b];
+        matrix.diagonal_blocks(&mut blocks);
         for row in 0..n {
-            assert_eq!(csr.get(row, row), diagonal[row * b + row % b]);
+            assert_eq!(csr.get(row, row), blocks[row * b + row % b]);
+            for column in 0..n {
+                assert_eq!(csr.get(row, column), rows[row][column], "block size {b}: {row}, {column}");
+            }
         }
     }
 }
 
-/// Asymmetry is zero for a symmetric matrix and sees one changed entry, and one missing block.
+/// A matrix of several parts gives the same bits whatever order its parts run in, and whatever ranges its rows are
+/// finished in; and they are the dense product.
 #[test]
-fn asymmetry_is_seen() {
-    let mut matrix = grid(3, 4, 3);
-    assert_eq!(matrix.asymmetry(), 0.0);
-    let slot = matrix.slot(0, 1).expect("neighbours couple");
-    matrix.values_mut()[slot * 9 + 2] += 0.1;
-    assert!(matrix.asymmetry() > 0.01);
-    let mut lopsided = BlockCsr::from_pattern(1, &[vec![0, 1], vec![1]]).expect("a pattern");
-    lopsided.add_block(0, 1, &[2.0]);
-    assert_eq!(lopsided.asymmetry(), 1.0);
+fn parts_in_any_order_give_the_same_bits() {
+    for (b, w, h) in [(1, 40, 300), (2, 30, 230), (3, 20, 310)] {
+        let matrix = grid(b, w, h);
+        let parts = matrix.parts().len();
+        assert!(parts > 2, "{parts} parts of {} rows show nothing", matrix.row_count());
+        let x = ramp(matrix.len());
+        let mut product = vec![f64::NAN; matrix.len()];
+        matrix.apply(&x, &mut product);
+        let mut expected = vec![0.0; matrix.len()];
+        matrix.to_csr().apply(&x, &mut expected);
+        assert!(largest_difference(&product, &expected) < 1e-12, "block size {b}");
+
+        let mut buffers = matrix.product_buffers();
+        matrix.load(&x, &mut buffers);
+        let (loaded, mut tasks) = matrix.tasks(&mut buffers);
+        tasks.iter_mut().rev().for_each(|(part, sums)| matrix.run_part(*part, loaded, sums));
+        let mut again = vec![f64::NAN; matrix.len()];
+        for (first, y) in again.chunks_mut(97 * b).enumerate() {
+            matrix.finish_rows(97 * first..97 * first + y.len() / b, None, &x, &buffers, y);
+        }
+        assert_eq!(product, again, "block size {b}");
+    }
+}
+
+/// Products with values in single precision differ from the others by the rounding of the values.
+#[test]
+fn single_precision_rounds_values_only() {
+    let matrix = grid(3, 6, 5);
+    let x = ramp(matrix.len());
+    let mut singles = Vec::new();
+    matrix.write_single_values(&mut singles);
+    let mut rounded = matrix.clone();
+    rounded.values_mut().iter_mut().for_each(|value| *value = f64::from(*value as f32));
+    let (mut y, mut expected) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+    rounded.apply(&x, &mut expected);
+    let mut buffers = matrix.product_buffers();
+    matrix.load(&x, &mut buffers);
+    matrix.run_part_in_place(Some(&singles), 0, &mut buffers);
+    matrix.finish_rows(0..matrix.row_count(), None, &x, &buffers, &mut y);
+    assert_eq!(y, expected);
 }
 
 /// Patterns that are not sorted rows of existing columns are refused by name.
 #[test]
 fn bad_patterns_are_refused() {
-    assert_eq!(BlockCsr::from_pattern(0, &[]), Err(PatternError::EmptyBlock));
-    assert_eq!(BlockCsr::from_pattern(3, &[vec![0], vec![1, 0]]), Err(PatternError::Unsorted { row: 1 }));
-    assert_eq!(BlockCsr::from_pattern(3, &[vec![0, 0]]), Err(PatternError::Unsorted { row: 0 }));
+    assert_eq!(SymmetricBlocks::from_pattern(0, &[]), Err(PatternError::EmptyBlock));
+    assert_eq!(SymmetricBlocks::from_pattern(3, &[vec![0], vec![0, 1]]), Err(PatternError::Unsorted { row: 1 }));
+    assert_eq!(SymmetricBlocks::from_pattern(3, &[vec![0, 0]]), Err(PatternError::Unsorted { row: 0 }));
     let out_of_range = PatternError::ColumnOutOfRange { row: 0, column: 4, rows: 2 };
-    assert_eq!(BlockCsr::from_pattern(3, &[vec![0, 4], vec![]]), Err(out_of_range));
-    assert!(BlockCsr::from_groups(3, 2, [[0u32, 5].as_slice()]).is_err());
+    assert_eq!(SymmetricBlocks::from_pattern(3, &[vec![0, 4], vec![1]]), Err(out_of_range));
+    assert!(SymmetricBlocks::from_groups(3, 2, [[0u32, 5].as_slice()]).is_err());
 }
 
 /// Without fill there is nothing to drop in a tridiagonal matrix: the incomplete factor is the factor.

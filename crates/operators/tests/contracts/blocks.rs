@@ -1,6 +1,7 @@
 //! The assembled stiffness is the operator that the matrix-free products apply.
 
 use crate::sample::{assert_close, dot, each, largest, plus};
+use souple_solver::LinearOperator as _;
 
 /// K v from assembled blocks is −(∂f/∂u) v, at rest and deformed.
 #[test]
@@ -14,10 +15,9 @@ fn assembled_blocks_times_a_vector_is_minus_the_tangent_product() {
             let (mut matrix, map) = sample.elements.pattern();
             sample.elements.assemble(&u, &map, &mut matrix);
             let mut kv = vec![0.0; v.len()];
-            matrix.multiply_rows(0..sample.nodes.len(), &v, &mut kv);
+            matrix.apply(&v, &mut kv);
             let minus = product.iter().map(|x| -x).collect::<Vec<_>>();
             assert_close(&sample.name(), &kv, &minus, 1e-12, largest(&minus));
-            assert_eq!(matrix.asymmetry(), 0.0, "{}", sample.name());
         }
     });
 }

@@ -56,9 +56,7 @@ impl System {
         let assemble = best(&mut |system, _| system.linearise_at(&rest));
         let assembled = best(&mut |system, y| {
             if let Some(m) = &system.matrices {
-                let operator =
-                    Assembled { matrix: &m.stiffness, shift: None, mass: &[], threads: &system.threads, singles: None };
-                operator.apply(&x, y);
+                Assembled::new(&m.stiffness, &m.buffers, &system.threads).apply(&x, y);
             }
         });
         self.stale = true;
