@@ -117,14 +117,12 @@ fn scatter<const D: usize, const DD: usize>(matrix: &mut SymmetricBlocks, slots:
         for lane in 0..lanes {
             let slot = slots[lane];
             let target = &mut targets[(slot >> 1) as usize];
-            if slot & 1 == 0 {
-                for k in 0..DD {
-                    target[k] += block[k][lane];
-                }
-            } else {
-                for k in 0..DD {
-                    target[k % D * D + k / D] += block[k][lane];
-                }
+            // No branch: in a mesh from outside, which way round a pair stands is anybody's guess.
+            let turned = (slot & 1) as usize;
+            for k in 0..DD {
+                let mirrored = k % D * D + k / D;
+                let from = if mirrored > k { k + turned * (mirrored - k) } else { k - turned * (k - mirrored) };
+                target[k] += block[from][lane];
             }
         }
     }

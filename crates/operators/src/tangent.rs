@@ -23,6 +23,11 @@ pub enum Tangent {
 }
 
 impl Elements {
+    /// The tangent that was chosen.
+    pub fn tangent(&self) -> Tangent {
+        self.tangent
+    }
+
     /// Chooses the tangent; derives and compiles what it needs.
     ///
     /// [`Elements::linearise`] must be called before the next product or assembly.

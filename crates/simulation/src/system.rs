@@ -19,7 +19,7 @@ mod product_times;
 use crate::motion::Motion;
 use crate::phases::{Phases, WatchedOperator};
 use assembled::Assembled;
-use souple_operators::{AssemblyMap, Elements, Masses, Threads};
+use souple_operators::{AssemblyMap, Elements, Masses, Tangent, Threads};
 use souple_scene::linear_solver::{LinearMethod, LinearSolver, Operator, Precision, Preconditioner as Choice};
 use souple_solver::refinement::{RefinementWorkspace, refined_cg};
 use souple_solver::vector::norm;
@@ -237,8 +237,11 @@ impl System {
     fn linearise_at(&mut self, u: &[f64]) {
         self.linearised.copy_from_slice(u);
         self.elimination.expand(&mut self.linearised);
-        self.elements.linearise(&self.linearised);
-        self.stale = false;
+        // With a matrix, what an application reads is made only if one follows; a projection is what a matrix is made from.
+        self.stale = self.assembled_product() && self.elements.tangent() == Tangent::Exact;
+        if !self.stale {
+            self.elements.linearise(&self.linearised);
+        }
         match &mut self.matrices {
             None => {}
             Some(Matrices { full: None, stiffness, viscosity, map, .. }) => {
