@@ -255,11 +255,11 @@ impl Simulation {
         let mut warnings = Vec::new();
         if self.ending.is_none() {
             let before = Instant::now();
-            let outcome = if self.scene.integrator.method.value == SceneMethod::QuasiStatic {
-                self.balance()
-            } else {
-                self.integrate(&mut warnings)
-            };
+            let threads = self.system.threads.clone();
+            let outcome = threads.awake(|| match self.scene.integrator.method.value {
+                SceneMethod::QuasiStatic => self.balance(),
+                _ => self.integrate(&mut warnings),
+            });
             let iterations = outcome.map_err(|message| {
                 self.ending = Some(Ending::Failed);
                 RunError { message: self.explain(&message) }

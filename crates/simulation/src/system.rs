@@ -81,7 +81,7 @@ pub(crate) struct System {
     scratch: Vec<f64>,
     /// T û of what is evaluated; empty when no node follows another.
     expanded: Vec<f64>,
-    threads: Arc<Threads>,
+    pub(crate) threads: Arc<Threads>,
     direct: Option<SkylineLdlt>,
     incomplete: Option<IncompleteCholesky>,
     /// Where times are summed up, when somebody watches.
