@@ -1,7 +1,8 @@
 //! What a step of a simulation costs, and which part of it.
 //!
-//! A bar held at one end bends under its weight: implicit Euler with one linearisation per step and a fixed number of
-//! iterations of conjugate gradients, so that every step does the same work whatever the numbers are.
+//! A bar held at one end bends under its weight: implicit Euler with one linearisation per step, and either a fixed number
+//! of iterations of conjugate gradients, so that every step does the same work whatever the numbers are, or as many as a
+//! tolerance needs, with the preconditioner that scenes have.
 
 use crate::machine::{Machine, machine};
 use crate::stopwatch::{Spread, quantile};
@@ -22,17 +23,26 @@ pub enum Filling {
     Mixed,
 }
 
+/// How far systems of equations are solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Solve {
+    /// By exactly so many iterations of conjugate gradients, without a preconditioner.
+    Iterations(usize),
+    /// To this relative residual, with the default preconditioner.
+    Tolerance(f64),
+}
+
 /// A bar to generate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bar {
     /// What fills it.
     pub filling: Filling,
-    /// Id of the law; one with Young's modulus and Poisson's ratio.
-    pub law: String,
+    /// Ids of laws with Young's modulus and Poisson's ratio, along the bar in equal lengths; at least one.
+    pub laws: Vec<String>,
     /// About how many elements.
     pub elements: usize,
-    /// Iterations of conjugate gradients per step.
-    pub iterations: usize,
+    /// How far systems of equations are solved.
+    pub solve: Solve,
     /// How the matrix is applied, in the words of scenes: `"auto"`, `"matrix-free"`, `"assembled"`.
     pub operator: String,
 }
@@ -88,6 +98,23 @@ impl Bar {
         // Cells are cubes.
         let length = 4.0;
         let thick = length * y as f64 / x as f64;
+        let solve = match self.solve {
+            Solve::Iterations(count) => {
+                format!("preconditioner = \"none\"\ntolerance = 1e-30\nmax_iterations = {count}")
+            }
+            Solve::Tolerance(tolerance) => format!("tolerance = {tolerance:?}"),
+        };
+        // A later law replaces an earlier one from where it begins.
+        let materials: String = (self.laws.iter().enumerate())
+            .map(|(k, law)| {
+                let from = length * k as f64 / self.laws.len() as f64;
+                let region = match k {
+                    0 => "\"all\"".to_owned(),
+                    _ => format!("{{ box = {{ min = [{from:?}, 0, 0], max = [{length:?}, {thick:?}, {thick:?}] }} }}"),
+                };
+                format!("[[body.material]]\nregion = {region}\nlaw = \"{law}\"\nyoung = 1e6\npoisson = 0.3\n")
+            })
+            .collect();
         format!(
             "title = \"Bar for measuring\"
 gravity = [0.0, -9.81, 0.0]
@@ -100,10 +127,8 @@ end = 1e6
 method = \"implicit-euler\"
 
 [linear_solver]
-preconditioner = \"none\"
 operator = \"{operator}\"
-tolerance = 1e-30
-max_iterations = {iterations}
+{solve}
 
 [[body]]
 name = \"bar\"
@@ -113,17 +138,10 @@ generator = \"bar\"
 size = [{length:?}, {thick:?}, {thick:?}]
 cells = [{x}, {y}, {z}]
 {sections}
-[[body.material]]
-region = \"all\"
-law = \"{law}\"
-young = 1e6
-poisson = 0.3
-[[body.fix]]
+{materials}[[body.fix]]
 region = \"x_min\"
 ",
             operator = self.operator,
-            iterations = self.iterations,
-            law = self.law,
         )
     }
 }

@@ -504,9 +504,8 @@ impl Projector for Mask<'_> {
 
     fn project_part(&self, first: usize, v: &mut [f64]) -> bool {
         for (v, &p) in v.iter_mut().zip(&self.held[first..]) {
-            if p {
-                *v = 0.0;
-            }
+            // A choice and not a branch: held unknowns are scattered.
+            *v = if p { 0.0 } else { *v };
         }
         true
     }

@@ -20,7 +20,7 @@ use crate::vectors::{Stored, Upper, upper};
 use std::ops::Range;
 
 /// Unknowns of a part at least: enough to be worth a thread, and few enough for their sums to stay in the nearest caches.
-const PART: usize = 2 * SUM_BLOCK;
+const PART: usize = SUM_BLOCK;
 
 /// Rows that a product takes as one task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

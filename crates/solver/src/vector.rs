@@ -17,15 +17,13 @@
 //! Whoever computes the block sums (one thread or many) then feeds them in order to [`PairwiseSum`] and gets the same
 //! bits. The rounding error grows with log n instead of n as a bonus.
 
+use crate::vectors::{Advance, Axpy, Dot, widest};
 use std::ops::Range;
 
 /// Number of entries in one block of a sum. Part of the definition of every result: changing it changes bits.
 ///
 /// A multiple of 8 lanes, and of 2, 3 and 6 unknowns per node: a part of a vector is a whole number of nodes.
 pub const SUM_BLOCK: usize = 1536;
-
-/// Partial sums kept side by side inside a block.
-const LANES: usize = 8;
 
 /// The vector work of a Krylov method. All slices of one call have the same length.
 pub trait VectorOps {
@@ -54,16 +52,11 @@ impl VectorOps for Serial {
     }
 
     fn axpy(&self, a: f64, x: &[f64], y: &mut [f64]) {
-        for (y, x) in y.iter_mut().zip(x) {
-            *y += a * x;
-        }
+        widest(Axpy { a, x, y });
     }
 
     fn advance(&self, a: f64, b: f64, z: &[f64], p: &mut [f64], x: &mut [f64]) {
-        for ((p, x), z) in p.iter_mut().zip(x).zip(z) {
-            *x += a * *p;
-            *p = z + b * *p;
-        }
+        widest(Advance { a, b, z, p, x });
     }
 }
 
@@ -79,18 +72,7 @@ pub fn block_range(block: usize, len: usize) -> Range<usize> {
 
 /// x · y of one block, at most [`SUM_BLOCK`] entries long.
 pub fn block_dot(x: &[f64], y: &[f64]) -> f64 {
-    let mut lanes = [0.0; LANES];
-    let (x_wide, x_rest) = x.as_chunks::<LANES>();
-    let (y_wide, y_rest) = y.as_chunks::<LANES>();
-    for (x, y) in x_wide.iter().zip(y_wide) {
-        for lane in 0..LANES {
-            lanes[lane] += x[lane] * y[lane];
-        }
-    }
-    for (lane, (x, y)) in x_rest.iter().zip(y_rest).enumerate() {
-        lanes[lane] += x * y;
-    }
-    ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]))
+    widest(Dot { x, y })
 }
 
 /// Combines block sums, given in order, as a binary tree, in constant memory.

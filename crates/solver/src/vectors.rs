@@ -1,4 +1,4 @@
-//! Products of 3 × 3 blocks with the widest vectors that the processor has.
+//! Products of 3 × 3 blocks, and sums and updates of vectors, with the widest vectors that the processor has.
 //!
 //! This crate is compiled for every processor of its family; where multiply–add instructions are found at run time, the
 //! loops below run in a version compiled for them. The choice is made once per process and never in between, so that
@@ -199,6 +199,84 @@ impl Widest for Diagonal<'_> {
                 }
             }
             *z = [sum[0], sum[1], sum[2]];
+        }
+    }
+}
+
+/// Partial sums kept side by side in a dot product.
+const LANES: usize = 8;
+
+/// x · y on eight partial sums: products and sums are rounded apart, so that every processor gives the same bits.
+pub(crate) struct Dot<'a> {
+    /// One vector.
+    pub(crate) x: &'a [f64],
+    /// The other.
+    pub(crate) y: &'a [f64],
+}
+
+impl Widest for Dot<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) -> f64 {
+        let mut lanes = [0.0; LANES];
+        let (x_wide, x_rest) = self.x.as_chunks::<LANES>();
+        let (y_wide, y_rest) = self.y.as_chunks::<LANES>();
+        for (x, y) in x_wide.iter().zip(y_wide) {
+            for lane in 0..LANES {
+                lanes[lane] += x[lane] * y[lane];
+            }
+        }
+        for (lane, (x, y)) in x_rest.iter().zip(y_rest).enumerate() {
+            lanes[lane] += x * y;
+        }
+        ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]))
+    }
+}
+
+/// y ← y + a x.
+pub(crate) struct Axpy<'a> {
+    /// Factor.
+    pub(crate) a: f64,
+    /// What is added.
+    pub(crate) x: &'a [f64],
+    /// What it is added to.
+    pub(crate) y: &'a mut [f64],
+}
+
+impl Widest for Axpy<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) {
+        for (y, x) in self.y.iter_mut().zip(self.x) {
+            *y += self.a * x;
+        }
+    }
+}
+
+/// x ← x + a p, then p ← z + b p.
+pub(crate) struct Advance<'a> {
+    /// Length of the step.
+    pub(crate) a: f64,
+    /// Share of the old direction.
+    pub(crate) b: f64,
+    /// Preconditioned residual.
+    pub(crate) z: &'a [f64],
+    /// Direction.
+    pub(crate) p: &'a mut [f64],
+    /// Solution.
+    pub(crate) x: &'a mut [f64],
+}
+
+impl Widest for Advance<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) {
+        for ((p, x), z) in self.p.iter_mut().zip(self.x).zip(self.z) {
+            *x += self.a * *p;
+            *p = z + self.b * *p;
         }
     }
 }

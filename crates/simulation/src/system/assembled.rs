@@ -4,9 +4,6 @@ use souple_operators::Threads;
 use souple_solver::{LinearOperator, ProductBuffers, Projector, Shift, SymmetricBlocks, product_in_parts};
 use std::cell::RefCell;
 
-/// Rows from which a product is worth more than one thread.
-const SHARED: usize = 4096;
-
 /// A matrix, or k A + m M with the diagonal M of the masses.
 #[derive(Clone, Copy)]
 pub(super) struct Assembled<'a> {
@@ -29,7 +26,7 @@ impl<'a> Assembled<'a> {
     }
 
     fn shared(&self) -> bool {
-        self.threads.count() > 1 && self.matrix.row_count() >= SHARED
+        self.threads.count() > 1 && self.matrix.parts().len() > 1
     }
 
     /// Runs all parts at once where several threads do.

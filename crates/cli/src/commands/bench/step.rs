@@ -6,20 +6,21 @@ use crate::failure::{Failure, input};
 use crate::files;
 use crate::terminal::{note, say, say_json, table};
 use clap::{Args, ValueEnum};
-use souple_bench::step::{Bar, Filling, Report, StepError, measure};
+use souple_bench::step::{Bar, Filling, Report, Solve, StepError, measure};
 use souple_simulation::RunOptions;
 use souple_simulation::lists::{find_element, find_law};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  souple bench step --cells 10000 --element tet4 --cg 25 --threads 1\n  \
+    souple bench step --cells 3000 --element mixed --law hooke,stvk --tolerance 1e-4 --threads 2\n  \
     souple bench step --scene scenes/mixed_bar.toml --steps 50 --json\n\n\
-    A generated bar makes implicit Euler steps with exactly so many iterations of conjugate gradients.")]
+    A generated bar makes implicit Euler steps, with exactly so many iterations of conjugate gradients, or to a tolerance.")]
 pub(crate) struct Arguments {
     #[command(flatten)]
     bar: BarArguments,
     /// Measure the steps of this scene instead of a generated bar's
-    #[arg(long, conflicts_with_all = ["cells", "element", "law", "cg", "operator"])]
+    #[arg(long, conflicts_with_all = ["cells", "element", "law", "cg", "tolerance", "operator"])]
     scene: Option<PathBuf>,
     #[command(flatten)]
     device: DeviceArguments,
@@ -40,21 +41,32 @@ pub(super) struct BarArguments {
     /// What fills it: an element (see: souple list elements), or `mixed` for prisms, pyramids, hexahedra and tetrahedra
     #[arg(long, default_value = "tet4")]
     element: String,
-    /// Its law, one with Young's modulus and Poisson's ratio
-    #[arg(long, default_value = "stvk")]
-    law: String,
-    /// Iterations of conjugate gradients per step
+    /// Its law, one with Young's modulus and Poisson's ratio; several, separated by commas, share it along its length
+    #[arg(long, default_value = "stvk", value_delimiter = ',')]
+    law: Vec<String>,
+    /// Iterations of conjugate gradients per step, without a preconditioner
     #[arg(long, default_value_t = 25, value_parser = at_least_one)]
     cg: usize,
+    /// Solve to this relative residual instead, with the default preconditioner
+    #[arg(long, conflicts_with = "cg", value_parser = tolerance)]
+    tolerance: Option<f64>,
     /// How the matrix is applied
     #[arg(long, value_enum, default_value_t = Operator::Auto)]
     operator: Operator,
 }
 
+/// A tolerance between none and all.
+fn tolerance(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value < 1.0 => Ok(value),
+        _ => Err("expected a number between 0 and 1".to_owned()),
+    }
+}
+
 /// The words of scenes.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Operator {
-    /// Whichever is measured to be cheaper
+    /// As scenes do when they say nothing: assembled
     Auto,
     /// Element by element
     MatrixFree,
@@ -85,13 +97,15 @@ impl BarArguments {
             "mixed" => Filling::Mixed,
             id => Filling::Element(find_element(id).map_err(input)?.id.to_owned()),
         };
-        let law = find_law(&self.law).map_err(input)?.id.to_owned();
+        let laws: Result<Vec<String>, _> = self.law.iter().map(|law| find_law(law).map(|l| l.id.to_owned())).collect();
+        let laws = laws.map_err(input)?;
+        let solve = self.tolerance.map_or(Solve::Iterations(self.cg), Solve::Tolerance);
         let operator = match self.operator {
             Operator::Auto => "auto",
             Operator::MatrixFree => "matrix-free",
             Operator::Assembled => "assembled",
         };
-        Ok(Bar { filling, law, elements: self.cells, iterations: self.cg, operator: operator.to_owned() })
+        Ok(Bar { filling, laws, elements: self.cells, solve, operator: operator.to_owned() })
     }
 }
 
