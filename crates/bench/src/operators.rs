@@ -80,7 +80,8 @@ pub fn measure(request: &Request<'_>, progress: &mut dyn FnMut(&str)) -> Result<
     for element in &request.elements {
         for law in &request.laws {
             progress(&format!("{} with {}", element.id, law.id));
-            rows.push(row(element, law, request, threads.clone())?);
+            // As in a step, where threads are kept awake.
+            rows.push(threads.awake(|| row(element, law, request, threads.clone()))?);
         }
     }
     let about = request.backend.about();

@@ -5,6 +5,7 @@
 //! contributions of its elements in a fixed order (the first thesis' partial and total influence). So the result is the
 //! same to the last bit for any number of threads.
 
+use crate::assembly::Wave;
 use crate::averages::{Average, Mean};
 use crate::companion::{Carried, Companion, Family};
 use crate::derive::{Association, Derived, derive, derive_averages};
@@ -12,7 +13,7 @@ use crate::{BlockSpec, Tangent, Threads};
 use souple_forms::Loops;
 use souple_kernels::{Backend, CompileError, Input, Kernel, LANES, Scratch};
 use souple_laws::check::{Inversion, inversion};
-use souple_program::Costs;
+use souple_program::{Buffer, Costs, Program};
 use std::sync::Arc;
 
 /// Groups that one task runs through: enough to forget the cost of starting it.
@@ -29,6 +30,8 @@ pub struct Elements {
     places: Vec<(u32, u32)>,
     pub(crate) threads: Arc<Threads>,
     pub(crate) scratch: Vec<Scratch>,
+    /// Memory of the threads that assemble.
+    pub(crate) waves: Vec<Wave>,
 }
 
 pub(crate) struct Block {
@@ -46,8 +49,6 @@ pub(crate) struct Block {
     pub(crate) projected: Option<Companion>,
     /// Contributions to nodal vectors, [group][node, axis][lane].
     partial: Vec<f64>,
-    /// Tangent blocks of one task's groups at a time.
-    pub(crate) tangent: Vec<f64>,
     /// Energy or other outputs per element, [group][place][lane].
     small: Vec<f64>,
 }
@@ -130,6 +131,7 @@ impl Elements {
             places,
             threads,
             scratch: Vec::new(),
+            waves: Vec::new(),
         };
         elements.set_up_viscosity(backend, costs)?;
         Ok((elements, masses))
@@ -408,7 +410,6 @@ impl Block {
             viscous: None,
             projected: None,
             partial: vec![0.0; groups * n * d * LANES],
-            tangent: Vec::new(),
             small: Vec::new(),
             kernels,
             spec,
@@ -574,19 +575,8 @@ impl Block {
         self.kernels.tangent_blocks.clone()
     }
 
-    pub(crate) fn run_blocks(
-        &mut self,
-        kernel: &Arc<dyn Kernel>,
-        family: Family,
-        u: &[f64],
-        first: usize,
-        count: usize,
-        threads: &Threads,
-        scratch: &mut Vec<Scratch>,
-    ) {
-        let program = kernel.program();
-        let rows_of: Vec<usize> = program.outputs.iter().map(|b| b.total(program.points)).collect();
-        self.tangent.resize(count * rows_of[0] * LANES, 0.0);
+    /// What the program of the tangent blocks of a family reads at `u`.
+    pub(crate) fn blocks_source<'a>(&'a self, family: Family, u: &'a [f64]) -> Sources<'a> {
         let (carried, moduli) = match family {
             Family::Elastic => (&self.carried, None),
             Family::Viscous => (&self.viscous.as_ref().expect("the caller checked").carried, None),
@@ -595,7 +585,7 @@ impl Block {
                 (&companion.carried, Some(&companion.given[..]))
             }
         };
-        let source = Sources {
+        Sources {
             u: Some(u),
             v: None,
             rest: Some(&self.rest),
@@ -607,13 +597,12 @@ impl Block {
             setup: [&carried.setup[0], &carried.setup[1]],
             step: None,
             nodes: self.spec.element.node_count(),
-        };
-        run_tasks(kernel, &source, first, count, &mut [&mut self.tangent], &rows_of, threads, scratch);
+        }
     }
 }
 
 /// Where the input buffers of a program are found.
-struct Sources<'a> {
+pub(crate) struct Sources<'a> {
     u: Option<&'a [f64]>,
     v: Option<&'a [f64]>,
     rest: Option<&'a [f64]>,
@@ -625,6 +614,41 @@ struct Sources<'a> {
     setup: [&'a [f64]; 2],
     step: Option<[&'a [f64]; 2]>,
     nodes: usize,
+}
+
+impl<'a> Sources<'a> {
+    /// The input buffers of `groups` groups from `first` on.
+    pub(crate) fn inputs(&self, program: &Program, first: usize, groups: usize) -> Vec<Input<'a>> {
+        let points = program.points;
+        let of_buffer = |b: &Buffer| {
+            let part = |rows: usize| first * rows * LANES..(first + groups) * rows * LANES;
+            let lanes = || part(b.total(points));
+            match b.name.as_str() {
+                "displacement" | "direction" | "rest" => {
+                    let values = match b.name.as_str() {
+                        "displacement" => self.u,
+                        "direction" => self.v,
+                        _ => self.rest,
+                    };
+                    let values = values.expect("the caller gives what its programs read");
+                    let rows = &self.rows[part(self.nodes)];
+                    Input::Gathered { values, rows, width: b.len / self.nodes }
+                }
+                "parameters" => Input::Uniform(self.parameters),
+                "viscosity" => Input::Uniform(self.viscosity),
+                "moduli" => Input::Lanes(&self.moduli.expect("moduli come before what reads them")[lanes()]),
+                "section" => Input::Uniform(self.section),
+                "setup_values" => Input::Lanes(&self.setup[0][lanes()]),
+                "setup_point_values" => Input::Lanes(&self.setup[1][lanes()]),
+                name => {
+                    let step = self.step.expect("only applications read what a step carries");
+                    let values = if name == "step_values" { step[0] } else { step[1] };
+                    Input::Lanes(&values[lanes()])
+                }
+            }
+        };
+        program.inputs.iter().map(of_buffer).collect()
+    }
 }
 
 /// Runs a kernel over `count` groups from `first`, in tasks.
@@ -659,40 +683,8 @@ fn run_tasks(
         tasks.push(Task { first: first + at, groups, outputs: own, scratch: scratch.pop().unwrap_or_default() });
         at += groups;
     }
-    let program = kernel.program();
-    let points = program.points;
     threads.run(&mut tasks, |task| {
-        let inputs: Vec<Input<'_>> = program
-            .inputs
-            .iter()
-            .map(|b| {
-                let part = |rows: usize| task.first * rows * LANES..(task.first + task.groups) * rows * LANES;
-                let lanes = || part(b.total(points));
-                match b.name.as_str() {
-                    "displacement" | "direction" | "rest" => {
-                        let values = match b.name.as_str() {
-                            "displacement" => source.u,
-                            "direction" => source.v,
-                            _ => source.rest,
-                        };
-                        let values = values.expect("the caller gives what its programs read");
-                        let rows = &source.rows[part(source.nodes)];
-                        Input::Gathered { values, rows, width: b.len / source.nodes }
-                    }
-                    "parameters" => Input::Uniform(source.parameters),
-                    "viscosity" => Input::Uniform(source.viscosity),
-                    "moduli" => Input::Lanes(&source.moduli.expect("moduli come before what reads them")[lanes()]),
-                    "section" => Input::Uniform(source.section),
-                    "setup_values" => Input::Lanes(&source.setup[0][lanes()]),
-                    "setup_point_values" => Input::Lanes(&source.setup[1][lanes()]),
-                    name => {
-                        let step = source.step.expect("only applications read what a step carries");
-                        let values = if name == "step_values" { step[0] } else { step[1] };
-                        Input::Lanes(&values[lanes()])
-                    }
-                }
-            })
-            .collect();
+        let inputs = source.inputs(kernel.program(), task.first, task.groups);
         kernel.run(&mut task.scratch, task.groups, &inputs, &mut task.outputs);
     });
     scratch.extend(tasks.into_iter().map(|t| t.scratch));

@@ -312,8 +312,7 @@ impl System {
         let phases = self.phases.clone();
         let watched = |operator| WatchedOperator { operator, phases: phases.as_deref() };
         let mut workspace = std::mem::take(&mut self.workspace);
-        let mask = std::mem::take(&mut self.held);
-        let projector = Mask { held: &mask };
+        let projector = Mask::new(&self.held);
         let report = if self.assembled_product() {
             let matrices = self.matrices.as_ref().expect("an assembled product has its matrix");
             let shift = if self.needs_sum(c) { None } else { Some([k, m]) };
@@ -343,7 +342,6 @@ impl System {
             let operator = MatrixFree { system: RefCell::new(&mut *self), m, k, c };
             cg(&watched(&operator), &*preconditioner, &projector, &Serial, rhs, x, &options, &mut workspace)
         };
-        self.held = mask;
         self.workspace = workspace;
         report
     }
@@ -493,20 +491,27 @@ fn factor_at(keys: &[(f64, f64)], t: f64) -> f64 {
     }
 }
 
-struct Mask<'a> {
-    held: &'a [bool],
+/// Zero on the unknowns that are not free.
+struct Mask {
+    /// Their indices, ascending: there are few of them.
+    held: Vec<usize>,
 }
 
-impl Projector for Mask<'_> {
+impl Mask {
+    fn new(held: &[bool]) -> Mask {
+        Mask { held: (0..held.len()).filter(|&k| held[k]).collect() }
+    }
+}
+
+impl Projector for Mask {
     fn project(&self, v: &mut [f64]) {
-        self.project_part(0, v);
+        self.held.iter().for_each(|&k| v[k] = 0.0);
     }
 
     fn project_part(&self, first: usize, v: &mut [f64]) -> bool {
-        for (v, &p) in v.iter_mut().zip(&self.held[first..]) {
-            // A choice and not a branch: held unknowns are scattered.
-            *v = if p { 0.0 } else { *v };
-        }
+        let from = self.held.partition_point(|&k| k < first);
+        let end = first + v.len();
+        self.held[from..].iter().take_while(|&&k| k < end).for_each(|&k| v[k - first] = 0.0);
         true
     }
 }
@@ -615,7 +620,9 @@ impl SecondOrder for System {
     }
 
     fn project(&self, v: &mut [f64]) {
-        Mask { held: &self.held }.project(v);
+        for (v, &held) in v.iter_mut().zip(&self.held) {
+            *v = if held { 0.0 } else { *v };
+        }
     }
 
     fn prescribe(&self, t: f64, u: &mut [f64], v: &mut [f64]) {

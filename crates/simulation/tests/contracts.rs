@@ -78,6 +78,26 @@ fn threads_do_not_change_a_bit() {
     }
 }
 
+/// The same on a mesh whose matrix has several parts and whose elements make several tasks, in double and in mixed
+/// precision.
+#[test]
+fn threads_do_not_change_a_bit_of_a_larger_mesh() {
+    for precision in ["linear_solver.precision='double'", "linear_solver.precision='mixed'"] {
+        let state = |threads: usize| {
+            let options = RunOptions { threads, ..RunOptions::default() };
+            let overrides = ["body.bar.mesh.cells=[32, 8, 8]", "time.end=0.02", precision];
+            let mut simulation = load(BAR, &overrides, &options).unwrap();
+            run(&mut simulation);
+            bits(&simulation)
+        };
+        let one = state(1);
+        assert!(one.len() > 2 * 3 * 512 && one.iter().any(|&b| b != 0), "{} unknowns", one.len());
+        for threads in [2, 3] {
+            assert!(state(threads) == one, "{threads} threads, {precision}");
+        }
+    }
+}
+
 /// Assembled and matrix-free products are the same operator: trajectories agree to the solver's tolerance.
 #[test]
 fn assembled_and_matrix_free_agree() {
