@@ -9,6 +9,7 @@ use crate::batch::{Batch, BatchError, association};
 use crate::handwritten::{Handwritten, handwritten};
 use crate::machine::{Machine, machine};
 use crate::peak::{Bound, Peak, least_ns};
+use crate::singles::Singles;
 use crate::stopwatch::{Effort, Spread, race, ratio};
 use crate::vectors::Vectors;
 use serde::Serialize;
@@ -98,6 +99,8 @@ pub struct Row {
     pub bytes: f64,
     /// Time per element in ns.
     pub ns_per_element: Spread,
+    /// The same in single precision, where the backend has it.
+    pub singles_ns_per_element: Option<Spread>,
     /// The least time that the binding limit allows, as a percentage of the median.
     pub percent_of_peak: f64,
     /// Which limit that is.
@@ -160,7 +163,7 @@ pub fn measure(request: &Request<'_>, progress: &mut dyn FnMut(&str)) -> Result<
                 let compile_ms = compile_ms(&batch, program, request)?;
                 let kernel = request.backend.compile(program)?;
                 for residence in [Residence::Cached, Residence::Streamed] {
-                    let timed = time(&batch, &kernel, &mut others, residence, request.effort);
+                    let timed = time(&batch, &kernel, &mut others, residence, request);
                     let bytes = batch.bytes(program);
                     let rate = match residence {
                         Residence::Cached => peak.cache_bytes_per_ns.median,
@@ -178,6 +181,7 @@ pub fn measure(request: &Request<'_>, progress: &mut dyn FnMut(&str)) -> Result<
                         bytes,
                         percent_of_peak: 100.0 * least / timed.generated.median,
                         ns_per_element: timed.generated,
+                        singles_ns_per_element: timed.singles,
                         bound,
                         derive_ms,
                         compile_ms,
@@ -269,11 +273,18 @@ impl Windows {
 struct Timed {
     groups: usize,
     generated: Spread,
+    singles: Option<Spread>,
     handwritten: Option<Comparison>,
     ahead: Option<Comparison>,
 }
 
-fn time(batch: &Batch, kernel: &Arc<dyn Kernel>, others: &mut Others, residence: Residence, effort: Effort) -> Timed {
+fn time(
+    batch: &Batch,
+    kernel: &Arc<dyn Kernel>,
+    others: &mut Others,
+    residence: Residence,
+    request: &Request<'_>,
+) -> Timed {
     let program = kernel.program();
     let limit = match residence {
         Residence::Cached => CACHED_BYTES,
@@ -312,6 +323,14 @@ fn time(batch: &Batch, kernel: &Arc<dyn Kernel>, others: &mut Others, residence:
         }
     };
 
+    let mut singles = Singles::new(batch, program, request.backend, groups);
+    let has_singles = singles.is_some();
+    let mut single_windows = Windows::over(groups, 1);
+    let mut run_singles = || {
+        let next = single_windows.next();
+        singles.as_mut().expect("only called where there are any").run(next);
+    };
+
     let mut contenders: Vec<&mut dyn FnMut()> = vec![&mut generated];
     if there {
         contenders.push(&mut run_by_hand);
@@ -319,13 +338,17 @@ fn time(batch: &Batch, kernel: &Arc<dyn Kernel>, others: &mut Others, residence:
     if compiled.is_some() {
         contenders.push(&mut run_ahead);
     }
-    let seconds = race(effort, &mut contenders);
+    if has_singles {
+        contenders.push(&mut run_singles);
+    }
+    let seconds = race(request.effort, &mut contenders);
     let to_ns = 1e9 / (WINDOW.min(groups) * LANES) as f64;
     let ns = |samples: &[f64]| Spread::of(&samples.iter().map(|s| s * to_ns).collect::<Vec<_>>());
     let compared = |k: usize| Comparison { ns_per_element: ns(&seconds[k]), ratio: ratio(&seconds[k], &seconds[0]) };
     Timed {
         groups,
         generated: ns(&seconds[0]),
+        singles: has_singles.then(|| ns(&seconds[seconds.len() - 1])),
         handwritten: there.then(|| compared(1)),
         ahead: compiled.map(|_| compared(1 + usize::from(there))),
     }

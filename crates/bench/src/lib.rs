@@ -20,6 +20,7 @@ pub mod machine;
 pub mod operators;
 pub mod peak;
 pub mod setup;
+pub mod singles;
 pub mod step;
 pub mod stopwatch;
 pub mod vectors;

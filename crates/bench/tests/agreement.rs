@@ -7,6 +7,7 @@
 use souple_bench::ahead::{Call, PRINTED, ahead, rust};
 use souple_bench::batch::{Batch, association};
 use souple_bench::handwritten::handwritten;
+use souple_bench::singles::Singles;
 use souple_bench::vectors::Vectors;
 use souple_kernels::{Backend as _, Interpreter, Scratch};
 
@@ -57,6 +58,29 @@ fn handwritten_kernels_equal_derived_programs() {
                 out.fill(f64::NAN);
                 set.tangent_apply(vectors, &batch, groups, &mut out);
                 assert_close(&format!("product of {what}"), &out, &product[part]);
+            }
+        }
+    }
+}
+
+/// Kernels in singles run on the batch that is measured: what they give is what the derived programs give, to single
+/// precision, also when groups are done in parts.
+#[test]
+fn singles_equal_derived_programs() {
+    for (element, law) in [("tet4", "stvk"), ("hex8", "neo_hookean")] {
+        let batch = batch(element, law, 100);
+        for name in ["force", "tangent_apply"] {
+            let program = batch.derived.staged.program(name).unwrap();
+            let mut singles = Singles::new(&batch, program, &Interpreter::default(), batch.groups).unwrap();
+            let cut = batch.groups / 3;
+            singles.run(0..cut);
+            singles.run(cut..batch.groups);
+            for (got, want) in singles.outputs().iter().zip(derived(&batch, name)) {
+                let scale = want.iter().fold(0.0f64, |m, w| m.max(w.abs()));
+                assert!(scale > 0.0 && got.len() == want.len());
+                let worst = got.iter().zip(&want).map(|(g, w)| (f64::from(*g) - w).abs()).fold(0.0, f64::max);
+                assert!(worst < 1e-4 * scale, "{name} of {element}: {worst:e} at a scale of {scale:e}");
+                assert!(got.iter().all(|g| g.is_finite()), "{name} of {element}");
             }
         }
     }

@@ -43,7 +43,7 @@ fn projected_tangents_are_positive_where_exact_ones_are_not() {
             let (mut matrix, map) = elements.pattern();
             elements.assemble(&u, &map, &mut matrix);
             let mut assembled = vec![0.0; v.len()];
-            matrix.apply(&v, &mut assembled);
+            matrix.apply(v, &mut assembled);
             assert_close(&name, &assembled, &kv, 1e-12, largest(&kv));
         }
     }

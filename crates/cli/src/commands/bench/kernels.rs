@@ -61,8 +61,18 @@ fn text(report: &Report) -> String {
         spread(&peak.cache_bytes_per_ns),
         spread(&peak.memory_bytes_per_ns),
     );
-    let mut heads =
-        vec!["element", "law", "program", "batch", "ns/element", "operations", "bytes", "of peak", "compile ms"];
+    let mut heads = vec![
+        "element",
+        "law",
+        "program",
+        "batch",
+        "ns/element",
+        "in singles",
+        "operations",
+        "bytes",
+        "of peak",
+        "compile ms",
+    ];
     let against = report.rows.iter().any(|r| r.ratio_to_handwritten.is_some() || r.ratio_to_ahead_of_time.is_some());
     if against {
         heads.extend(["ratio to handwritten", "ratio to ahead"]);
@@ -86,6 +96,7 @@ fn cells(row: &Row, against: bool) -> Vec<String> {
         row.program.to_owned(),
         batch,
         spread(&row.ns_per_element),
+        row.singles_ns_per_element.as_ref().map(spread).unwrap_or_default(),
         row.operations.to_string(),
         format!("{:.0}", row.bytes),
         format!("{:.0} % {bound}", row.percent_of_peak),
