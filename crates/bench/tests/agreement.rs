@@ -67,7 +67,7 @@ fn handwritten_kernels_equal_derived_programs() {
 /// precision, also when groups are done in parts.
 #[test]
 fn singles_equal_derived_programs() {
-    for (element, law) in [("tet4", "stvk"), ("hex8", "neo_hookean")] {
+    for (element, law) in [("tet4", "stvk"), ("hex8", "neo-hookean")] {
         let batch = batch(element, law, 100);
         for name in ["force", "tangent_apply"] {
             let program = batch.derived.staged.program(name).unwrap();
