@@ -43,6 +43,12 @@ impl BlockJacobi {
         let b = self.block;
         self.fallbacks = 0;
         for (inverse, block) in self.inverse.chunks_exact_mut(b * b).zip(blocks.chunks_exact(b * b)) {
+            if let (Ok(inverse), Ok(block)) = (<&mut [f64; 9]>::try_from(&mut *inverse), block.try_into())
+                && let Some(found) = inverse_of_three(block)
+            {
+                *inverse = found;
+                continue;
+            }
             self.factor.copy_from_slice(block);
             if cholesky(b, &mut self.factor).is_ok() {
                 for j in 0..b {
@@ -78,6 +84,28 @@ impl BlockJacobi {
     pub fn block(&self) -> usize {
         self.block
     }
+}
+
+/// The inverse of a symmetric positive definite 3 × 3 block, Σ_k m_ki m_kj / d_k with A = L D Lᵀ and m = L⁻¹; none where a
+/// pivot is not positive and finite. The lower triangle is read.
+fn inverse_of_three(a: &[f64; 9]) -> Option<[f64; 9]> {
+    let d0 = a[0];
+    let r0 = d0.recip();
+    let (l10, l20) = (a[3] * r0, a[6] * r0);
+    let d1 = a[4] - l10 * a[3];
+    let r1 = d1.recip();
+    let below = a[7] - l20 * a[3];
+    let l21 = below * r1;
+    let d2 = a[8] - l20 * a[6] - l21 * below;
+    let r2 = d2.recip();
+    // Written so that a NaN fails too.
+    if ![d0, d1, d2].iter().all(|&d| d > 0.0 && d.is_finite()) {
+        return None;
+    }
+    let m20 = l10 * l21 - l20;
+    let (x00, x10, x20) = (r0 + l10 * l10 * r1 + m20 * m20 * r2, -l10 * r1 - m20 * l21 * r2, m20 * r2);
+    let (x11, x21) = (r1 + l21 * l21 * r2, -l21 * r2);
+    Some([x00, x10, x20, x10, x11, x21, x20, x21, r2])
 }
 
 impl Preconditioner for BlockJacobi {
@@ -150,5 +178,13 @@ mod tests {
         jacobi.apply(&[1.0; 4], &mut z);
         assert_eq!(jacobi.fallbacks(), 2);
         assert_eq!(z, [0.5, 0.25, 1.0, 0.2]);
+
+        let indefinite = [2.0, 3.0, 0.0, 3.0, 4.0, 0.0, 0.0, 0.0, 8.0];
+        let unknown = [2.0, 0.0, 0.0, 0.0, 4.0, 0.0, 0.0, 0.0, f64::NAN];
+        let jacobi = BlockJacobi::new(3, &[indefinite, unknown].concat());
+        let mut z = [0.0; 6];
+        jacobi.apply(&[1.0; 6], &mut z);
+        assert_eq!(jacobi.fallbacks(), 2);
+        assert_eq!(z, [0.5, 0.25, 0.125, 0.5, 0.25, 1.0]);
     }
 }
