@@ -6,7 +6,7 @@
 
 use souple_elements::{Element, Family};
 use souple_kernels::conformance::Random;
-use souple_kernels::{Backend, CompileError, Input, Kernel, LANES, Scratch};
+use souple_kernels::{Aligned, Backend, CompileError, Input, Kernel, LANES, Scratch};
 use souple_laws::{Bound, Law, Parameter};
 use souple_mesh::bar::{BarSpec, Section, Split, Transition, generate};
 use souple_operators::{Association, Derived, derive};
@@ -37,7 +37,7 @@ pub enum BatchError {
 }
 
 /// Values that programs carry, by the name of the buffer.
-type Carried = Vec<(String, Vec<f64>)>;
+type Carried = Vec<(String, Aligned)>;
 
 /// A batch.
 #[derive(Clone, Debug)]
@@ -125,8 +125,8 @@ impl Batch {
     /// Arrays for the outputs of a program for this many groups. They are written once, so that the system has given
     /// their pages before anything is measured (zeros would be given when first touched), and what a kernel leaves out
     /// stays seen.
-    pub fn outputs(program: &Program, groups: usize) -> Vec<Vec<f64>> {
-        (0..program.outputs.len()).map(|o| vec![f64::NAN; Batch::output_len(program, o, groups)]).collect()
+    pub fn outputs(program: &Program, groups: usize) -> Vec<Aligned> {
+        (0..program.outputs.len()).map(|o| Aligned::filled(Batch::output_len(program, o, groups), f64::NAN)).collect()
     }
 
     /// Inputs of a program for these groups, in its order.
@@ -151,8 +151,8 @@ impl Batch {
     }
 
     /// The parts of outputs that belong to these groups.
-    pub fn slices<'a>(program: &Program, groups: &Range<usize>, outputs: &'a mut [Vec<f64>]) -> Vec<&'a mut [f64]> {
-        let part = |(o, values): (usize, &'a mut Vec<f64>)| {
+    pub fn slices<'a>(program: &Program, groups: &Range<usize>, outputs: &'a mut [Aligned]) -> Vec<&'a mut [f64]> {
+        let part = |(o, values): (usize, &'a mut Aligned)| {
             let first = Batch::output_len(program, o, groups.start);
             &mut values[first..Batch::output_len(program, o, groups.end)]
         };
@@ -160,7 +160,7 @@ impl Batch {
     }
 
     /// Runs a kernel on these groups; `outputs` are those of [`Batch::outputs`] from the first group on.
-    pub fn run(&self, kernel: &dyn Kernel, scratch: &mut Scratch, groups: Range<usize>, outputs: &mut [Vec<f64>]) {
+    pub fn run(&self, kernel: &dyn Kernel, scratch: &mut Scratch, groups: Range<usize>, outputs: &mut [Aligned]) {
         let inputs = self.inputs(kernel.program(), &groups);
         let mut outputs = Batch::slices(kernel.program(), &groups, outputs);
         kernel.run(scratch, groups.len(), &inputs, &mut outputs);
@@ -204,7 +204,7 @@ fn carried(derived: &Derived, groups: usize) -> Carried {
         ("step_values", step.0),
         ("step_point_values", step.1 * points),
     ]
-    .map(|(name, places)| (name.to_owned(), vec![0.0; places * groups * LANES]))
+    .map(|(name, places)| (name.to_owned(), Aligned::zeros(places * groups * LANES)))
     .into()
 }
 

@@ -14,7 +14,7 @@ use crate::stopwatch::{Effort, Spread, race, ratio};
 use crate::vectors::Vectors;
 use serde::Serialize;
 use souple_elements::Element;
-use souple_kernels::{Backend, Kernel, LANES, Scratch};
+use souple_kernels::{Aligned, Backend, Kernel, LANES, Scratch};
 use souple_laws::Law;
 use souple_program::{Counts, Program};
 use std::ops::Range;
@@ -311,7 +311,7 @@ fn time(
     let mut set = others.handwritten.as_mut().filter(|_| by_hand);
     let there = set.is_some();
     let per_group = Batch::output_len(program, 0, 1);
-    let (mut hand_windows, mut hand_output) = (Windows::over(groups, 2), vec![f64::NAN; per_group * groups]);
+    let (mut hand_windows, mut hand_output) = (Windows::over(groups, 2), Aligned::filled(per_group * groups, f64::NAN));
     let mut run_by_hand = || {
         let groups = hand_windows.next();
         let out = &mut hand_output[groups.start * per_group..groups.end * per_group];

@@ -9,7 +9,7 @@ use souple_bench::batch::{Batch, association};
 use souple_bench::handwritten::handwritten;
 use souple_bench::singles::Singles;
 use souple_bench::vectors::Vectors;
-use souple_kernels::{Backend as _, Interpreter, Scratch};
+use souple_kernels::{Aligned, Backend as _, Interpreter, Scratch};
 
 fn batch(element: &str, law: &str, elements: usize) -> Batch {
     let element = souple_elements::by_id(element).unwrap();
@@ -18,7 +18,7 @@ fn batch(element: &str, law: &str, elements: usize) -> Batch {
 }
 
 /// Outputs of a derived program on the interpreter.
-fn derived(batch: &Batch, name: &str) -> Vec<Vec<f64>> {
+fn derived(batch: &Batch, name: &str) -> Vec<Aligned> {
     let program = batch.derived.staged.program(name).unwrap();
     let kernel = Interpreter::default().compile(program).unwrap();
     let mut outputs = Batch::outputs(program, batch.groups);

@@ -8,6 +8,7 @@
 //!
 //! Backends see programs and buffers only.
 
+mod aligned;
 pub mod conformance;
 mod contract;
 mod interpreter;
@@ -15,6 +16,7 @@ mod number;
 pub mod oracle;
 pub mod plan;
 
+pub use aligned::Aligned;
 pub use contract::{About, Backend, CompileError, Input, Kernel, LANES, Scratch};
 pub use interpreter::{Interpreter, execute};
 pub use number::Number;

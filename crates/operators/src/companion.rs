@@ -2,7 +2,7 @@
 //! positive moduli.
 
 use crate::derive::{Derived, derive_moduli, derive_viscosity};
-use souple_kernels::{Backend, CompileError, Kernel};
+use souple_kernels::{Aligned, Backend, CompileError, Kernel};
 use souple_program::{Costs, LINEARISE, SETUP, Staged};
 use std::sync::Arc;
 
@@ -10,15 +10,16 @@ use std::sync::Arc;
 #[derive(Default)]
 pub(crate) struct Carried {
     /// From the set-up.
-    pub(crate) setup: [Vec<f64>; 2],
+    pub(crate) setup: [Aligned; 2],
     /// From the linearisation.
-    pub(crate) step: [Vec<f64>; 2],
+    pub(crate) step: [Aligned; 2],
 }
 
 impl Carried {
     /// Room for what a family carries, for this many lanes in all.
     pub(crate) fn sized(staged: &Staged, points: usize, lanes: usize) -> Carried {
-        let sized = |(once, each): (usize, usize)| [vec![0.0; once * lanes], vec![0.0; each * points * lanes]];
+        let sized =
+            |(once, each): (usize, usize)| [Aligned::zeros(once * lanes), Aligned::zeros(each * points * lanes)];
         Carried { setup: sized(staged.setup_to_step), step: sized(staged.step_to_apply) }
     }
 }
@@ -49,7 +50,7 @@ pub(crate) struct Companion {
     /// The blocks.
     pub(crate) blocks: Arc<dyn Kernel>,
     /// Moduli made positive, [group][point][entry][lane].
-    pub(crate) given: Vec<f64>,
+    pub(crate) given: Aligned,
 }
 
 impl Companion {
@@ -96,7 +97,7 @@ impl Companion {
             moduli: wanted("moduli", staged.program("moduli").is_some())?,
             blocks: compile(blocks)?,
             apply,
-            given: Vec::new(),
+            given: Aligned::default(),
         })
     }
 }

@@ -11,7 +11,7 @@ use crate::companion::{Carried, Companion, Family};
 use crate::derive::{Association, Derived, derive, derive_averages};
 use crate::{BlockSpec, Tangent, Threads};
 use souple_forms::Loops;
-use souple_kernels::{Backend, CompileError, Input, Kernel, LANES, Scratch};
+use souple_kernels::{Aligned, Backend, CompileError, Input, Kernel, LANES, Scratch};
 use souple_laws::check::{Inversion, inversion};
 use souple_program::{Buffer, Costs, Program};
 use std::sync::Arc;
@@ -48,9 +48,9 @@ pub(crate) struct Block {
     pub(crate) viscous: Option<Companion>,
     pub(crate) projected: Option<Companion>,
     /// Contributions to nodal vectors, [group][node, axis][lane].
-    partial: Vec<f64>,
+    partial: Aligned,
     /// Energy or other outputs per element, [group][place][lane].
-    small: Vec<f64>,
+    small: Aligned,
 }
 
 struct Kernels {
@@ -174,7 +174,7 @@ impl Elements {
         for block in &mut self.blocks {
             let kernel = block.kernels.energy.clone();
             block.run(&kernel, Family::Elastic, Some(u), None, Destination::Small, &self.threads, &mut self.scratch);
-            block.spec.ids.iter().zip(&block.small).for_each(|(&id, &energy)| give(id, energy));
+            block.spec.ids.iter().zip(&*block.small).for_each(|(&id, &energy)| give(id, energy));
         }
     }
 
@@ -183,7 +183,7 @@ impl Elements {
         for block in &mut self.blocks {
             let kernel = block.kernels.volume.clone();
             block.run(&kernel, Family::Elastic, Some(u), None, Destination::Small, &self.threads, &mut self.scratch);
-            block.spec.ids.iter().zip(&block.small).for_each(|(&id, &volume)| give(id, volume));
+            block.spec.ids.iter().zip(&*block.small).for_each(|(&id, &volume)| give(id, volume));
         }
     }
 
@@ -409,8 +409,8 @@ impl Block {
             inversion: inversion(spec.law, &spec.parameters),
             viscous: None,
             projected: None,
-            partial: vec![0.0; groups * n * d * LANES],
-            small: Vec::new(),
+            partial: Aligned::zeros(groups * n * d * LANES),
+            small: Aligned::default(),
             kernels,
             spec,
             derived: derived.clone(),
@@ -516,7 +516,7 @@ impl Block {
         let rows_of: Vec<usize> = program.outputs.iter().map(|b| b.total(points)).collect();
         let (groups, n) = (self.groups, self.spec.element.node_count());
         if matches!(destination, Destination::Small) {
-            self.small.resize(groups * rows_of[0] * LANES, 0.0);
+            self.small.set_len(groups * rows_of[0] * LANES);
         }
         let (carried, moduli) = match family {
             Family::Elastic => (&mut self.carried, None),
@@ -546,7 +546,7 @@ impl Block {
             }
         } else if matches!(destination, Destination::Moduli) {
             let moduli = moduli.expect("moduli belong to the projected family");
-            moduli.resize(groups * rows_of[0] * LANES, 0.0);
+            moduli.set_len(groups * rows_of[0] * LANES);
             written.push(moduli);
         } else {
             let slot = if matches!(destination, Destination::Partial) { &mut partial } else { &mut small };

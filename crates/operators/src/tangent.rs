@@ -7,7 +7,7 @@ use crate::AssemblyMap;
 use crate::companion::{Companion, Family};
 use crate::elements::{Block, Destination, Elements};
 use crate::projection::make_positive;
-use souple_kernels::{Backend, CompileError, LANES};
+use souple_kernels::{Aligned, Backend, CompileError, LANES};
 use souple_program::Costs;
 use souple_solver::SymmetricBlocks;
 
@@ -82,8 +82,11 @@ impl Elements {
             let wanted = apply.input("moduli").map_or(rows, |b| apply.inputs[b].total(apply.points));
             if wanted != rows {
                 let once = std::mem::take(&mut companion.given);
-                let spread = once.chunks(rows * LANES).flat_map(|group| group.repeat(wanted / rows));
-                companion.given = spread.collect();
+                let mut spread = Aligned::zeros(once.len() / rows * wanted);
+                for (group, points) in once.chunks(rows * LANES).zip(spread.chunks_mut(wanted * LANES)) {
+                    points.chunks_mut(rows * LANES).for_each(|point| point.copy_from_slice(group));
+                }
+                companion.given = spread;
             }
         }
     }

@@ -164,6 +164,13 @@ struct Lowering<'a> {
     next: u32,
 }
 
+/// A term of a sum.
+#[derive(Clone, Copy, Debug)]
+struct Term {
+    value: Ref,
+    minus: bool,
+}
+
 impl Lowering<'_> {
     fn define(&mut self, op: Op, into: &mut Vec<Statement>) -> Value {
         let value = Value(self.next);
@@ -182,6 +189,137 @@ impl Lowering<'_> {
         match node.operation {
             Operation::Mul(a, b) => Some((a, b)),
             _ => None,
+        }
+    }
+
+    /// A sum or difference that only its one user reads: its terms can be added one by one instead.
+    fn joins(&self, r: Ref, in_loop: bool) -> Option<(Ref, Ref, bool)> {
+        let node = self.dag.node(r);
+        if self.uses[r.index()] != 1 || self.sources.contains_key(&r) || (in_loop && !node.varying) {
+            return None;
+        }
+        match node.operation {
+            Operation::Add(a, b) => Some((a, b, false)),
+            Operation::Sub(a, b) => Some((a, b, true)),
+            _ => None,
+        }
+    }
+
+    /// The terms of a sum of sums, where adding them one by one takes fewer operations than adding the sums: a fused
+    /// multiply–add takes in one product, so a sum of two products inside another sum leaves one out.
+    ///
+    /// ```text
+    /// a − (b c + d e):   p = b c, q = d e + p, a − q      becomes      p = a − b c, p − d e
+    /// ```
+    fn chain(&self, r: Ref, in_loop: bool) -> Option<Vec<Term>> {
+        let mut terms = Vec::new();
+        let taken_in = self.terms(r, in_loop, false, &mut terms);
+        let products = terms.iter().filter(|t| self.fusible(t.value, in_loop).is_some()).count();
+        // Where nothing but products is added, the first of them has nothing to be added to.
+        let left = usize::from(products == terms.len());
+        (products > taken_in + left).then_some(terms)
+    }
+
+    /// Appends the terms of a sum; the number of products that additions would take in as they stand.
+    fn terms(&self, r: Ref, in_loop: bool, minus: bool, terms: &mut Vec<Term>) -> usize {
+        let (a, b, difference) = match self.dag.node(r).operation {
+            Operation::Add(a, b) => (a, b, false),
+            Operation::Sub(a, b) => (a, b, true),
+            _ => unreachable!("only sums and differences have terms"),
+        };
+        let mut taken_in = usize::from([a, b].iter().any(|o| self.fusible(*o, in_loop).is_some()));
+        for (value, minus) in [(a, minus), (b, minus ^ difference)] {
+            match self.joins(value, in_loop) {
+                Some(_) => taken_in += self.terms(value, in_loop, minus, terms),
+                None => terms.push(Term { value, minus }),
+            }
+        }
+        taken_in
+    }
+
+    /// Adds up terms, of which the first is positive.
+    fn add_up(
+        &mut self,
+        terms: &[Term],
+        in_loop: bool,
+        straight: &mut Vec<Statement>,
+        body: &mut Vec<Statement>,
+    ) -> Op {
+        // It begins with what is no product, so that every product finds something to be added to.
+        let plain = |s: &Self, t: &Term| s.fusible(t.value, in_loop).is_none();
+        let first = terms.iter().position(|t| !t.minus && plain(self, t)).unwrap_or(0);
+        let start = terms[first].value;
+        let mut subtracted = None;
+        let mut op = match self.fusible(start, in_loop) {
+            None => None,
+            Some((x, y)) => {
+                subtracted = terms.iter().position(|t| t.minus && plain(self, t));
+                let x = self.value(x, in_loop, straight, body);
+                let y = self.value(y, in_loop, straight, body);
+                Some(match subtracted {
+                    Some(at) => Op::MulSub(x, y, self.value(terms[at].value, in_loop, straight, body)),
+                    None => Op::Mul(x, y),
+                })
+            }
+        };
+        for (at, term) in terms.iter().enumerate() {
+            if at == first || Some(at) == subtracted {
+                continue;
+            }
+            let sum = match op.take() {
+                None => self.value(start, in_loop, straight, body),
+                Some(op) => self.define(op, if in_loop { &mut *body } else { &mut *straight }),
+            };
+            op = Some(match self.fusible(term.value, in_loop) {
+                Some((x, y)) => {
+                    let x = self.value(x, in_loop, straight, body);
+                    let y = self.value(y, in_loop, straight, body);
+                    if term.minus { Op::NegMulAdd(x, y, sum) } else { Op::MulAdd(x, y, sum) }
+                }
+                None => {
+                    let a = self.value(term.value, in_loop, straight, body);
+                    if term.minus { Op::Sub(sum, a) } else { Op::Add(sum, a) }
+                }
+            });
+        }
+        op.expect("a sum has two terms at least")
+    }
+
+    /// A sum or difference of two values.
+    fn pair(
+        &mut self,
+        operation: Operation,
+        in_loop: bool,
+        straight: &mut Vec<Statement>,
+        body: &mut Vec<Statement>,
+    ) -> Op {
+        let here = in_loop;
+        let mut get = |s: &mut Self, o: Ref| s.value(o, here, straight, body);
+        match operation {
+            Operation::Add(a, b) => match (self.fusible(a, here), self.fusible(b, here)) {
+                // The second operand is the later one: what is summed so far stays the addend.
+                (_, Some((x, y))) => {
+                    let c = get(self, a);
+                    Op::MulAdd(get(self, x), get(self, y), c)
+                }
+                (Some((x, y)), None) => {
+                    let c = get(self, b);
+                    Op::MulAdd(get(self, x), get(self, y), c)
+                }
+                (None, None) => Op::Add(get(self, a), get(self, b)),
+            },
+            Operation::Sub(a, b) => match (self.fusible(a, here), self.fusible(b, here)) {
+                (_, Some((x, y))) => {
+                    let c = get(self, a);
+                    Op::NegMulAdd(get(self, x), get(self, y), c)
+                }
+                (Some((x, y)), None) => {
+                    let c = get(self, b);
+                    Op::MulSub(get(self, x), get(self, y), c)
+                }
+                (None, None) => Op::Sub(get(self, a), get(self, b)),
+            },
+            _ => unreachable!("only sums and differences are pairs"),
         }
     }
 
@@ -254,28 +392,9 @@ impl Lowering<'_> {
                     }
                     Op::Table(number)
                 }
-                Operation::Add(a, b) => match (self.fusible(a, here), self.fusible(b, here)) {
-                    // The second operand is the later one: what is summed so far stays the addend.
-                    (_, Some((x, y))) => {
-                        let c = get(self, a);
-                        Op::MulAdd(get(self, x), get(self, y), c)
-                    }
-                    (Some((x, y)), None) => {
-                        let c = get(self, b);
-                        Op::MulAdd(get(self, x), get(self, y), c)
-                    }
-                    (None, None) => Op::Add(get(self, a), get(self, b)),
-                },
-                Operation::Sub(a, b) => match (self.fusible(a, here), self.fusible(b, here)) {
-                    (_, Some((x, y))) => {
-                        let c = get(self, a);
-                        Op::NegMulAdd(get(self, x), get(self, y), c)
-                    }
-                    (Some((x, y)), None) => {
-                        let c = get(self, b);
-                        Op::MulSub(get(self, x), get(self, y), c)
-                    }
-                    (None, None) => Op::Sub(get(self, a), get(self, b)),
+                Operation::Add(..) | Operation::Sub(..) => match self.chain(r, here) {
+                    Some(terms) => self.add_up(&terms, here, straight, body),
+                    None => self.pair(node.operation, here, straight, body),
                 },
                 Operation::Mul(a, b) => Op::Mul(get(self, a), get(self, b)),
                 Operation::Neg(a) => Op::Neg(get(self, a)),
@@ -296,5 +415,48 @@ impl Lowering<'_> {
             self.values.insert(r, v);
             v
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{BufferRequest, Costs, Counts, Op, OutputRequest, Program, stage};
+    use souple_symbols::{Expr, Graph, Time};
+
+    /// The program of one value from eight inputs.
+    fn program(value: impl FnOnce(&mut Graph, &[Expr]) -> Expr) -> Program {
+        let mut g = Graph::new();
+        let leaves: Vec<Expr> = (0..8).map(|k| g.symbol(format!("x{k}"), Time::Step)).collect();
+        let values = vec![value(&mut g, &leaves)];
+        let input = BufferRequest { name: "x".into(), leaves };
+        let output = OutputRequest { program: "p".into(), time: Time::Step, name: "y".into(), values, cached: true };
+        stage(&g, &[input], &[output], Costs::default()).program("p").unwrap().clone()
+    }
+
+    fn arithmetic(p: &Program) -> usize {
+        let statements = p.sections.iter().flat_map(|s| s.statements());
+        statements.filter(|s| !matches!(s.op, Op::Input { .. } | Op::Output { .. } | Op::Constant(_))).count()
+    }
+
+    /// Products in sums inside a sum are each taken in by a multiply–add: four products take four operations however
+    /// they are bracketed, and none more where something else is added to them.
+    #[test]
+    fn every_product_of_a_sum_of_sums_is_fused() {
+        let product = |g: &mut Graph, x: &[Expr], k: usize| g.mul(x[2 * k], x[2 * k + 1]);
+        let sums = |g: &mut Graph, x: &[Expr]| {
+            let p: Vec<Expr> = (0..4).map(|k| product(g, x, k)).collect();
+            let (a, b) = (g.add(p[0], p[1]), g.add(p[2], p[3]));
+            let (a, b) = (g.named("a", a), g.named("b", b));
+            g.sub(a, b)
+        };
+        let p = program(sums);
+        assert_eq!((arithmetic(&p), Counts::of(&p).operations), (4, 7), "{}", crate::print(&p));
+        let p = program(|g, x| {
+            let (c, d) = (product(g, x, 1), product(g, x, 2));
+            let inner = g.add(c, d);
+            let inner = g.named("inner", inner);
+            g.sub(x[0], inner)
+        });
+        assert_eq!(arithmetic(&p), 2, "{}", crate::print(&p));
     }
 }

@@ -7,7 +7,7 @@ use super::{Handwritten, half_lambda_and_mu, inverse};
 use crate::batch::Batch;
 use crate::vectors::{Mat3, Row, Vec3, Vectors, gather3, load, load3, parts, store};
 use pulp::{Simd, WithSimd};
-use souple_kernels::LANES;
+use souple_kernels::{Aligned, LANES};
 use std::ops::Range;
 
 const NODES: usize = 8;
@@ -29,9 +29,9 @@ type Step = [[Row; KEPT]; POINTS];
 #[derive(Clone, Debug)]
 pub struct Hex8 {
     /// [group][point][place].
-    prepared: Vec<Prepared>,
+    prepared: Aligned,
     /// [group][point][place].
-    step: Vec<Step>,
+    step: Aligned,
     /// λ/2 and μ in Pa.
     moduli: [f64; 2],
 }
@@ -66,9 +66,11 @@ impl Hex8 {
             }
             places
         };
+        let mut prepared = Aligned::zeros(batch.groups * POINTS * PREPARED * LANES);
+        grouped_mut(&mut prepared).iter_mut().enumerate().for_each(|(group, places)| *places = prepare(group));
         Hex8 {
-            prepared: (0..batch.groups).map(prepare).collect(),
-            step: vec![[[[0.0; LANES]; KEPT]; POINTS]; batch.groups],
+            prepared,
+            step: Aligned::zeros(batch.groups * POINTS * KEPT * LANES),
             moduli: half_lambda_and_mu(&batch.parameters),
         }
     }
@@ -80,6 +82,16 @@ fn shape_gradient(corner: &[f64; 3], xi: &[f64; 3]) -> [f64; 3] {
     std::array::from_fn(|k| 0.125 * corner[k] * factor((k + 1) % 3) * factor((k + 2) % 3))
 }
 
+/// Places of each point of each group.
+fn grouped<const PLACES: usize>(values: &[f64]) -> &[[[Row; PLACES]; POINTS]] {
+    values.as_chunks().0.as_chunks().0.as_chunks().0
+}
+
+/// The same, to be written.
+fn grouped_mut<const PLACES: usize>(values: &mut [f64]) -> &mut [[[Row; PLACES]; POINTS]] {
+    values.as_chunks_mut().0.as_chunks_mut().0.as_chunks_mut().0
+}
+
 impl Handwritten for Hex8 {
     fn force(&self, vectors: Vectors, batch: &Batch, groups: Range<usize>, out: &mut [f64]) {
         vectors.run(Force { gathered: Gathered::new(&batch.displacement, batch, &groups), set: self, groups, out });
@@ -87,8 +99,9 @@ impl Handwritten for Hex8 {
 
     fn linearise(&mut self, vectors: Vectors, batch: &Batch, groups: Range<usize>, out: &mut [f64]) {
         let gathered = Gathered::new(&batch.displacement, batch, &groups);
-        let prepared = &self.prepared[groups.clone()];
-        vectors.run(Linearise { gathered, prepared, step: &mut self.step[groups], moduli: self.moduli, out });
+        let prepared = &grouped(&self.prepared)[groups.clone()];
+        let step = &mut grouped_mut(&mut self.step)[groups];
+        vectors.run(Linearise { gathered, prepared, step, moduli: self.moduli, out });
     }
 
     fn tangent_apply(&self, vectors: Vectors, batch: &Batch, groups: Range<usize>, out: &mut [f64]) {
@@ -195,7 +208,7 @@ impl WithSimd for Force<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let moduli = self.set.moduli.map(|m| simd.splat_f64s(m));
-        let prepared = &self.set.prepared[self.groups];
+        let prepared: &[Prepared] = &grouped(&self.set.prepared)[self.groups];
         for ((rows, prepared), out) in self.gathered.rows.iter().zip(prepared).zip(places(self.out)) {
             for part in 0..parts::<S>() {
                 let d = Gathered::differences(self.gathered.values, rows, simd, part);
@@ -257,7 +270,8 @@ impl WithSimd for Product<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let moduli = self.set.moduli.map(|m| simd.splat_f64s(m));
-        let carried = self.set.prepared[self.groups.clone()].iter().zip(&self.set.step[self.groups]);
+        let carried =
+            grouped(&self.set.prepared)[self.groups.clone()].iter().zip(&grouped(&self.set.step)[self.groups]);
         for ((rows, (prepared, step)), out) in self.gathered.rows.iter().zip(carried).zip(places(self.out)) {
             for part in 0..parts::<S>() {
                 let d = Gathered::differences(self.gathered.values, rows, simd, part);

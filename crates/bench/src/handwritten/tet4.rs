@@ -5,7 +5,7 @@ use super::{Handwritten, half_lambda_and_mu, inverse};
 use crate::batch::Batch;
 use crate::vectors::{Mat3, Row, Vec3, Vectors, gather3, load, load3, parts, store};
 use pulp::{Simd, WithSimd};
-use souple_kernels::LANES;
+use souple_kernels::{Aligned, LANES};
 use std::ops::Range;
 
 /// Places prepared per element: g₁, g₂, g₃ (the rows of the inverse of the edges' matrix), then w.
@@ -15,9 +15,9 @@ const PREPARED: usize = 10;
 #[derive(Clone, Debug)]
 pub struct Tet4 {
     /// [group][place].
-    prepared: Vec<[Row; PREPARED]>,
+    prepared: Aligned,
     /// [group][place].
-    step: Vec<[Row; KEPT]>,
+    step: Aligned,
     /// λ/2 and μ in Pa.
     moduli: [f64; 2],
 }
@@ -37,12 +37,24 @@ impl Tet4 {
             }
             places
         });
+        let mut all = Aligned::zeros(batch.groups * PREPARED * LANES);
+        grouped_mut(&mut all).iter_mut().zip(prepared).for_each(|(place, prepared)| *place = prepared);
         Tet4 {
-            prepared: prepared.collect(),
-            step: vec![[[0.0; LANES]; KEPT]; batch.groups],
+            prepared: all,
+            step: Aligned::zeros(batch.groups * KEPT * LANES),
             moduli: half_lambda_and_mu(&batch.parameters),
         }
     }
+}
+
+/// Places of each group.
+fn grouped<const PLACES: usize>(values: &[f64]) -> &[[Row; PLACES]] {
+    values.as_chunks().0.as_chunks().0
+}
+
+/// The same, to be written.
+fn grouped_mut<const PLACES: usize>(values: &mut [f64]) -> &mut [[Row; PLACES]] {
+    values.as_chunks_mut().0.as_chunks_mut().0
 }
 
 impl Handwritten for Tet4 {
@@ -52,8 +64,9 @@ impl Handwritten for Tet4 {
 
     fn linearise(&mut self, vectors: Vectors, batch: &Batch, groups: Range<usize>, out: &mut [f64]) {
         let gathered = Gathered::new(&batch.displacement, batch, &groups);
-        let prepared = &self.prepared[groups.clone()];
-        vectors.run(Linearise { gathered, prepared, step: &mut self.step[groups], moduli: self.moduli, out });
+        let prepared = &grouped(&self.prepared)[groups.clone()];
+        let step = &mut grouped_mut(&mut self.step)[groups];
+        vectors.run(Linearise { gathered, prepared, step, moduli: self.moduli, out });
     }
 
     fn tangent_apply(&self, vectors: Vectors, batch: &Batch, groups: Range<usize>, out: &mut [f64]) {
@@ -132,7 +145,7 @@ impl WithSimd for Force<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let moduli = self.set.moduli.map(|m| simd.splat_f64s(m));
-        let prepared = &self.set.prepared[self.groups];
+        let prepared = &grouped(&self.set.prepared)[self.groups];
         for ((rows, prepared), out) in self.gathered.rows.iter().zip(prepared).zip(places(self.out)) {
             for part in 0..parts::<S>() {
                 let d = Gathered::differences(self.gathered.values, rows, simd, part);
@@ -185,7 +198,8 @@ impl WithSimd for Product<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let moduli = self.set.moduli.map(|m| simd.splat_f64s(m));
-        let carried = self.set.prepared[self.groups.clone()].iter().zip(&self.set.step[self.groups]);
+        let carried =
+            grouped(&self.set.prepared)[self.groups.clone()].iter().zip(&grouped(&self.set.step)[self.groups]);
         for ((rows, (prepared, step)), out) in self.gathered.rows.iter().zip(carried).zip(places(self.out)) {
             for part in 0..parts::<S>() {
                 let d = Gathered::differences(self.gathered.values, rows, simd, part);

@@ -7,10 +7,9 @@
 //! A value in memory is read by the arithmetic itself where that costs no more than loading it.
 //!
 //! A loop begins and ends with everything in memory except accumulators that keep a register throughout; how many do
-//! is a choice, and so is the order of the work: [`allocate`] tries them and keeps what moves the least data.
+//! is a choice, and so is the order of the work; both are made in [`choice`](super::choice).
 
 use super::flow::{Flow, Function, Home, Id, NONE, Part, What, Work};
-use super::order::{Ordering, ordered};
 
 /// A place in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,48 +92,10 @@ pub(crate) struct Allocation {
     pub(crate) steps: Vec<Step>,
     /// Slots of the scratch block that are used.
     pub(crate) slots: u32,
-    /// Instructions that move data, counted as often as they run.
-    pub(crate) moves: u64,
-}
-
-/// Pieces of work above which fewer ways are tried: compiling must stay quick.
-const LONG: usize = 4000;
-
-/// The cheapest allocation among orders and numbers of accumulators that keep registers.
-pub(crate) fn allocate(flow: &Flow, registers: Registers) -> Allocation {
-    let last_part = last_parts(flow);
-    let most = flow.parts.iter().map(|p| accumulators(flow, p).len()).max().unwrap_or(0);
-    let mut keeps: Vec<usize> = [0, 4, 8, 12, 16, 20, 24].into_iter().filter(|k| *k < most).collect();
-    keeps.push(most);
-    keeps.retain(|k| k + 8 <= registers.count as usize);
-    if keeps.is_empty() {
-        keeps.push(0);
-    }
-    let mut orderings = &Ordering::ALL[..];
-    if flow.parts.iter().map(|p| p.work.len()).sum::<usize>() > LONG {
-        keeps = vec![*keeps.last().expect("at least none is kept")];
-        orderings = &orderings[..2];
-    }
-    let mut best: Option<Allocation> = None;
-    for &ordering in orderings {
-        let parts: Vec<Vec<Work>> = flow
-            .parts
-            .iter()
-            .enumerate()
-            .map(|(k, part)| ordered(part, ordering, flow.homes.len(), &|id| last_part[id as usize] > k as u32))
-            .collect();
-        for &keep in &keeps {
-            let found = Allocator::new(flow, registers, &last_part, keep).run(&parts);
-            if best.as_ref().is_none_or(|b| found.moves < b.moves) {
-                best = Some(found);
-            }
-        }
-    }
-    best.expect("at least one order was tried")
 }
 
 /// The last part that reads each value; within loops, what comes from before is read to the end.
-fn last_parts(flow: &Flow) -> Vec<u32> {
+pub(crate) fn last_parts(flow: &Flow) -> Vec<u32> {
     let mut last = vec![0; flow.homes.len()];
     for (k, part) in flow.parts.iter().enumerate() {
         part.work.iter().flat_map(|w| w.reads()).for_each(|id| last[id as usize] = k as u32);
@@ -143,7 +104,7 @@ fn last_parts(flow: &Flow) -> Vec<u32> {
 }
 
 /// Accumulators that a part adds to, those added to most first.
-fn accumulators(flow: &Flow, part: &Part) -> Vec<Id> {
+pub(crate) fn accumulators(flow: &Flow, part: &Part) -> Vec<Id> {
     if part.passes.is_none() {
         return Vec::new();
     }
@@ -167,7 +128,7 @@ const LATER: u32 = u32::MAX - 1;
 /// In no register.
 const NOWHERE: u8 = u8::MAX;
 
-struct Allocator<'a> {
+pub(crate) struct Allocator<'a> {
     flow: &'a Flow,
     registers: Registers,
     last_part: &'a [u32],
@@ -191,13 +152,11 @@ struct Allocator<'a> {
     leaving: Vec<u32>,
     slots: u32,
     steps: Vec<Step>,
-    moves: u64,
-    passes: u64,
     at: u32,
 }
 
 impl<'a> Allocator<'a> {
-    fn new(flow: &'a Flow, registers: Registers, last_part: &'a [u32], keep: usize) -> Allocator<'a> {
+    pub(crate) fn new(flow: &'a Flow, registers: Registers, last_part: &'a [u32], keep: usize) -> Allocator<'a> {
         let values = flow.homes.len();
         Allocator {
             flow,
@@ -215,13 +174,11 @@ impl<'a> Allocator<'a> {
             leaving: Vec::new(),
             slots: 0,
             steps: Vec::new(),
-            moves: 0,
-            passes: 1,
             at: 0,
         }
     }
 
-    fn run(mut self, parts: &[Vec<Work>]) -> Allocation {
+    pub(crate) fn run(mut self, parts: &[Vec<Work>]) -> Allocation {
         for (k, work) in parts.iter().enumerate() {
             let passes = self.flow.parts[k].passes;
             if let Some(passes) = passes {
@@ -232,7 +189,7 @@ impl<'a> Allocator<'a> {
                 self.end();
             }
         }
-        Allocation { steps: self.steps, slots: self.slots, moves: self.moves }
+        Allocation { steps: self.steps, slots: self.slots }
     }
 
     fn outlives(&self, id: Id, part: u32) -> bool {
@@ -316,7 +273,6 @@ impl<'a> Allocator<'a> {
                 } else {
                     let from = self.address(id);
                     self.steps.push(Step::Load { to: r as u8, from });
-                    self.moves += 1;
                 }
                 self.put(id, r as u8);
                 self.stored[id as usize] = !fresh;
@@ -329,7 +285,6 @@ impl<'a> Allocator<'a> {
                 self.leave(id);
             }
         }
-        self.passes = u64::from(passes);
         self.steps.push(Step::Begin { passes });
     }
 
@@ -346,7 +301,6 @@ impl<'a> Allocator<'a> {
             self.leave(id);
         }
         self.steps.push(Step::End);
-        self.passes = 1;
         self.kept = 0;
     }
 
@@ -390,7 +344,6 @@ impl<'a> Allocator<'a> {
         }
         self.stored[id as usize] = true;
         self.steps.push(Step::Store { at: Address::Slot(self.slot[id as usize]), from: self.register[id as usize] });
-        self.moves += self.passes;
     }
 
     fn address(&self, id: Id) -> Address {
@@ -455,7 +408,6 @@ impl<'a> Allocator<'a> {
             let r = self.take();
             let from = self.address(id);
             self.steps.push(Step::Load { to: r, from });
-            self.moves += self.passes;
             self.put(id, r);
         }
         let r = self.register[id as usize];
@@ -665,7 +617,6 @@ impl<'a> Allocator<'a> {
                 let r = self.take();
                 self.lock(r);
                 self.steps.push(Step::Copy { to: r, from });
-                self.moves += self.passes;
                 (id, r)
             }
         };
@@ -719,7 +670,6 @@ impl<'a> Allocator<'a> {
         for (k, id) in w.reads().enumerate() {
             let from = self.in_register(id);
             self.steps.push(Step::Store { at: Address::Call(k as u32), from });
-            self.moves += self.passes;
         }
         self.bury(w);
         let mut back = Vec::new();
@@ -744,12 +694,10 @@ impl<'a> Allocator<'a> {
             let from = self.address(id);
             self.steps.push(Step::Load { to: r, from });
             self.stored[id as usize] = false;
-            self.moves += self.passes;
         }
         self.locked = 0;
         let to = self.take();
         self.steps.push(Step::Load { to, from: Address::Call(0) });
-        self.moves += self.passes;
         self.define(w.to[0], to, made);
     }
 }

@@ -1,6 +1,7 @@
 //! Kernels of machine code: buffers are checked here, in safe code, before the code that checks nothing runs.
 
-use super::allocate::{Step, allocate};
+use super::allocate::Step;
+use super::choice::allocate;
 use super::emit::{Assembly, Layout, emit, function_at};
 use super::flow::{Arrival, Flow, Function, Source, flow};
 use super::functions;
@@ -56,7 +57,7 @@ pub fn figures(set: crate::InstructionSet, program: &Program, gathered: &[(&str,
         })
         .collect();
     let flow = flow(program, &arrivals)?;
-    let allocation = allocate(&flow, target.registers());
+    let allocation = allocate(&flow, target);
     let assembly = emit(target, &flow, &allocation, &program.tables)?;
     let work = flow.parts.iter().map(|p| p.work.len()).sum();
     let outputs = flow.parts.iter().flat_map(|p| &p.work).filter(|w| w.makes().next().is_none()).count();
@@ -74,7 +75,7 @@ pub fn figures(set: crate::InstructionSet, program: &Program, gathered: &[(&str,
 /// From a verified program to bytes.
 pub(crate) fn assemble(target: Target, program: &Program, arrivals: &[Arrival]) -> Option<(Flow, Assembly)> {
     let flow = flow(program, arrivals)?;
-    let allocation = allocate(&flow, target.registers());
+    let allocation = allocate(&flow, target);
     let assembly = emit(target, &flow, &allocation, &program.tables)?;
     Some((flow, assembly))
 }

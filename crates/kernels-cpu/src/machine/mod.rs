@@ -11,6 +11,7 @@
 //! combination, and kept.
 
 mod allocate;
+mod choice;
 mod emit;
 mod flow;
 mod functions;
@@ -18,7 +19,9 @@ mod gather;
 mod kernel;
 mod order;
 mod pages;
+mod reuse;
 mod target;
+mod time;
 
 pub(crate) use kernel::Machine;
 pub use kernel::{Figures, figures};

@@ -4,7 +4,8 @@
 //! so there are several, and whoever allocates registers takes the one that moves the least data.
 //! All are deterministic.
 
-use super::flow::{Id, NONE, Part, What, Work};
+use super::flow::{Flow, Id, NONE, Part, What, Work};
+use super::reuse::{Prices, reuse};
 
 /// A way to order work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,22 +17,20 @@ pub(crate) enum Ordering {
     Depth,
     /// What frees most values next, then what was made possible last.
     Greedy,
-}
-
-impl Ordering {
-    /// All of them.
-    pub(crate) const ALL: [Ordering; 3] = [Ordering::Given, Ordering::Depth, Ordering::Greedy];
+    /// What reads least from memory next; see [`reuse`](super::reuse).
+    Reuse(Prices),
 }
 
 /// What each piece of work waits for.
-struct Waits {
+pub(crate) struct Waits {
     /// Pieces before each piece.
-    before: Vec<Vec<u32>>,
+    pub(crate) before: Vec<Vec<u32>>,
     /// Pieces after each piece.
-    after: Vec<Vec<u32>>,
+    pub(crate) after: Vec<Vec<u32>>,
 }
 
-fn waits(work: &[Work], values: usize) -> Waits {
+/// What waits for what among pieces that read and make values numbered below `values`.
+pub(crate) fn waits(work: &[Work], values: usize) -> Waits {
     let mut maker = vec![NONE; values];
     let mut w = Waits { before: vec![Vec::new(); work.len()], after: vec![Vec::new(); work.len()] };
     for (k, piece) in work.iter().enumerate() {
@@ -49,14 +48,22 @@ fn waits(work: &[Work], values: usize) -> Waits {
     w
 }
 
-/// The work of a part in another order; values are numbered below `values`, and `outlives` says which ones are read
-/// after the part.
-pub(crate) fn ordered(part: &Part, ordering: Ordering, values: usize, outlives: &dyn Fn(Id) -> bool) -> Vec<Work> {
+/// The work of a part in another order, for so many registers beside those of `kept`; `outlives` says which values are read after the part.
+pub(crate) fn ordered(
+    flow: &Flow,
+    part: &Part,
+    ordering: Ordering,
+    registers: usize,
+    kept: &[Id],
+    outlives: &dyn Fn(Id) -> bool,
+) -> Vec<Work> {
     let work = &part.work;
+    let values = flow.homes.len();
     let order = match ordering {
         Ordering::Given => return work.clone(),
         Ordering::Depth => depth(work, &waits(work, values)),
         Ordering::Greedy => greedy(work, &waits(work, values), values, outlives),
+        Ordering::Reuse(prices) => reuse(flow, part, registers, kept, prices, outlives),
     };
     order.into_iter().map(|k| work[k as usize]).collect()
 }
@@ -143,7 +150,7 @@ fn greedy(work: &[Work], w: &Waits, values: usize, outlives: &dyn Fn(Id) -> bool
 }
 
 /// Values that a piece reads, each once.
-fn distinct(piece: &Work) -> impl Iterator<Item = Id> + use<> {
+pub(crate) fn distinct(piece: &Work) -> impl Iterator<Item = Id> + use<> {
     let a = piece.args;
     (0..3).filter(move |&k| a[k] != NONE && !a[..k].contains(&a[k])).map(move |k| a[k])
 }
