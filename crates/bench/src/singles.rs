@@ -1,7 +1,7 @@
 //! The same kernel and batch in single precision: twice as many elements per operation.
 
 use crate::batch::Batch;
-use souple_kernels::{Backend, Input, Kernel, LANES, Scratch};
+use souple_kernels::{Aligned, Backend, Input, Kernel, LANES, Scratch};
 use souple_program::Program;
 use std::ops::Range;
 use std::sync::Arc;
@@ -10,13 +10,13 @@ use std::sync::Arc;
 pub struct Singles {
     kernel: Arc<dyn Kernel<f32>>,
     inputs: Vec<Single>,
-    outputs: Vec<Vec<f32>>,
+    outputs: Vec<Aligned<f32>>,
     scratch: Scratch,
 }
 
 enum Single {
     /// Values with their number per group.
-    Lanes(Vec<f32>, usize),
+    Lanes(Aligned<f32>, usize),
     /// Nodal values with their width, rows with their number per group.
     Gathered(Vec<f32>, usize, Vec<u32>, usize),
     Uniform(Vec<f32>),
@@ -28,14 +28,18 @@ impl Singles {
         let kernel = backend.compile_singles(program).ok()?;
         let rounded = |values: &[f64]| -> Vec<f32> { values.iter().map(|&v| v as f32).collect() };
         let copy = |input: Input<'_>| match input {
-            Input::Lanes(values) => Single::Lanes(rounded(values), values.len() / groups),
+            Input::Lanes(values) => {
+                let mut lanes = Aligned::zeros(values.len());
+                lanes.copy_from_slice(&rounded(values));
+                Single::Lanes(lanes, values.len() / groups)
+            }
             Input::Gathered { values, rows, width } => {
                 Single::Gathered(rounded(values), width, rows.to_vec(), rows.len() / groups)
             }
             Input::Uniform(values) => Single::Uniform(rounded(values)),
         };
         let inputs = batch.inputs(program, &(0..groups)).into_iter().map(copy).collect();
-        let outputs = Batch::outputs(program, groups).into_iter().map(|o| vec![f32::NAN; o.len()]).collect();
+        let outputs = Batch::outputs(program, groups).into_iter().map(|o| Aligned::filled(o.len(), f32::NAN)).collect();
         Some(Singles { kernel, inputs, outputs, scratch: Scratch::default() })
     }
 
@@ -58,7 +62,7 @@ impl Singles {
     }
 
     /// What was written, per output.
-    pub fn outputs(&self) -> &[Vec<f32>] {
+    pub fn outputs(&self) -> &[Aligned<f32>] {
         &self.outputs
     }
 }

@@ -174,7 +174,7 @@ impl Elements {
         for block in &mut self.blocks {
             let kernel = block.kernels.energy.clone();
             block.run(&kernel, Family::Elastic, Some(u), None, Destination::Small, &self.threads, &mut self.scratch);
-            block.spec.ids.iter().zip(&*block.small).for_each(|(&id, &energy)| give(id, energy));
+            block.spec.ids.iter().zip(&block.small).for_each(|(&id, &energy)| give(id, energy));
         }
     }
 
@@ -183,7 +183,7 @@ impl Elements {
         for block in &mut self.blocks {
             let kernel = block.kernels.volume.clone();
             block.run(&kernel, Family::Elastic, Some(u), None, Destination::Small, &self.threads, &mut self.scratch);
-            block.spec.ids.iter().zip(&*block.small).for_each(|(&id, &volume)| give(id, volume));
+            block.spec.ids.iter().zip(&block.small).for_each(|(&id, &volume)| give(id, volume));
         }
     }
 

@@ -301,7 +301,8 @@ impl Processor {
                 }
                 self.vector = [[u64::MAX; 8]; 32];
             }
-            Vzeroupper => {}
+            // Asking for memory changes nothing.
+            Vzeroupper | Prefetcht0 => {}
             _ => self.vector_step(i),
         }
     }
