@@ -12,6 +12,7 @@
 
 mod allocate;
 mod choice;
+mod elementary;
 mod emit;
 mod flow;
 mod functions;
