@@ -13,27 +13,25 @@ const LONG: usize = 700;
 const VERY_LONG: usize = 4000;
 
 /// Prices that gave the quickest code for some program; no two of them would do for all.
-const PRICES: [Prices; 6] = [
+const PRICES: [Prices; 4] = [
     Prices { read: 4, alive: 4, tie: Tie::Longest },
     Prices { read: 4, alive: 2, tie: Tie::First },
     Prices { read: 1, alive: 4, tie: Tie::First },
     Prices { read: 1, alive: 4, tie: Tie::Longest },
-    Prices { read: 4, alive: 2, tie: Tie::Longest },
-    Prices { read: 2, alive: 4, tie: Tie::First },
 ];
 
 /// The orders that are tried on so many pieces of work.
 fn orderings(pieces: usize) -> Vec<Ordering> {
-    let prices = &PRICES[..match pieces {
-        _ if pieces <= LONG => PRICES.len(),
-        _ if pieces <= VERY_LONG => 1,
-        _ => 0,
-    }];
-    let mut all = vec![Ordering::Depth, Ordering::Given];
-    all.extend(prices.iter().map(|p| Ordering::Reuse(*p)));
-    if pieces <= LONG {
-        all.push(Ordering::Greedy);
+    let prices = match pieces {
+        _ if pieces <= LONG => &PRICES[..],
+        _ if pieces <= VERY_LONG => &PRICES[..1],
+        _ => &[],
+    };
+    let mut all = vec![Ordering::Depth];
+    if pieces > LONG {
+        all.push(Ordering::Given);
     }
+    all.extend(prices.iter().map(|p| Ordering::Reuse(*p)));
     all
 }
 
@@ -55,7 +53,7 @@ pub(crate) fn allocate(flow: &Flow, target: Target) -> Allocation {
         (cycles(target, &found.steps, found.slots), ordering, found)
     };
     let pieces = flow.parts.iter().map(|p| p.work.len()).sum();
-    let mut keeps: Vec<usize> = [0, 4, 8, 16, 24].into_iter().filter(|k| *k < most).collect();
+    let mut keeps: Vec<usize> = [0, 8, 16, 24].into_iter().filter(|k| *k < most).collect();
     keeps.push(most);
     keeps.retain(|k| k + 8 <= registers.count as usize);
     let first = keeps.first().copied().unwrap_or(0);

@@ -4,7 +4,7 @@
 //! so there are several, and whoever allocates registers takes the one that moves the least data.
 //! All are deterministic.
 
-use super::flow::{Flow, Id, NONE, Part, What, Work};
+use super::flow::{Flow, Id, NONE, Part, Work};
 use super::reuse::{Prices, reuse};
 
 /// A way to order work.
@@ -15,8 +15,6 @@ pub(crate) enum Ordering {
     /// From each effect down to what it needs, the side that needs more first (Sethi and Ullman, "The generation of
     /// optimal code for arithmetic expressions", 1970, as a heuristic on a graph).
     Depth,
-    /// What frees most values next, then what was made possible last.
-    Greedy,
     /// What reads least from memory next; see [`reuse`](super::reuse).
     Reuse(Prices),
 }
@@ -62,7 +60,6 @@ pub(crate) fn ordered(
     let order = match ordering {
         Ordering::Given => return work.clone(),
         Ordering::Depth => depth(work, &waits(work, values)),
-        Ordering::Greedy => greedy(work, &waits(work, values), values, outlives),
         Ordering::Reuse(prices) => reuse(flow, part, registers, kept, prices, outlives),
     };
     order.into_iter().map(|k| work[k as usize]).collect()
@@ -95,55 +92,6 @@ fn depth(work: &[Work], w: &Waits) -> Vec<u32> {
             // The neediest is pushed last and so runs first.
             below.sort_by_key(|b| (need[*b as usize], std::cmp::Reverse(*b)));
             stack.extend(below.into_iter().map(|b| (b, false)));
-        }
-    }
-    order
-}
-
-/// How many ready pieces are looked at for each choice; bounds the time on long parts.
-const LOOK: usize = 64;
-
-fn greedy(work: &[Work], w: &Waits, values: usize, outlives: &dyn Fn(Id) -> bool) -> Vec<u32> {
-    let mut readers = vec![0u32; values];
-    for piece in work {
-        for id in distinct(piece) {
-            readers[id as usize] += 1;
-        }
-    }
-    let mut missing: Vec<u32> = w.before.iter().map(|b| b.len() as u32).collect();
-    let mut made_here = vec![false; values];
-    work.iter().flat_map(|p| p.makes()).for_each(|id| made_here[id as usize] = true);
-    let mut ready: Vec<u32> = (0..work.len() as u32).rev().filter(|k| missing[*k as usize] == 0).collect();
-    let mut order = Vec::with_capacity(work.len());
-    while !ready.is_empty() {
-        let from = ready.len().saturating_sub(LOOK);
-        let gain = |k: u32| -> i32 {
-            let piece = &work[k as usize];
-            let freed = distinct(piece)
-                .filter(|id| made_here[*id as usize] && readers[*id as usize] == 1 && !outlives(*id))
-                .count() as i32;
-            let makes = piece.makes().filter(|id| !piece.args.contains(id)).count() as i32;
-            let store = i32::from(matches!(piece.what, What::Store { .. }));
-            freed + store - makes
-        };
-        // The latest of the best.
-        let mut best = (i32::MIN, from);
-        for at in from..ready.len() {
-            let g = gain(ready[at]);
-            if g >= best.0 {
-                best = (g, at);
-            }
-        }
-        let k = ready.remove(best.1);
-        order.push(k);
-        for id in distinct(&work[k as usize]) {
-            readers[id as usize] -= 1;
-        }
-        for &next in w.after[k as usize].iter().rev() {
-            missing[next as usize] -= 1;
-            if missing[next as usize] == 0 {
-                ready.push(next);
-            }
         }
     }
     order
