@@ -162,6 +162,41 @@ impl Elements {
         self.blocks.iter().map(|b| (&b.spec, &*b.derived))
     }
 
+    /// Gives the elements of one block other parameters of their law; masses do not change.
+    ///
+    /// What was linearised before is of the old parameters: linearise again.
+    ///
+    /// # Errors
+    /// When the backend refuses the set-up program.
+    ///
+    /// # Panics
+    /// When there is no such block, or its law has another number of parameters.
+    pub fn set_parameters(
+        &mut self,
+        block: usize,
+        parameters: &[f64],
+        backend: &dyn Backend,
+    ) -> Result<(), CompileError> {
+        let block = &mut self.blocks[block];
+        assert_eq!(parameters.len(), block.spec.parameters.len(), "one value per parameter of the law");
+        block.spec.parameters.copy_from_slice(parameters);
+        block.inversion = inversion(block.spec.law, parameters);
+        let setup = block.derived.staged.program("setup").expect("every association has every program");
+        let kernel = backend.compile(setup)?;
+        let rest = block.rest.clone();
+        let unused = || vec![0.0; self.node_count];
+        block.set_up(&*kernel, &rest, self.dimension, &mut Masses { shape: unused(), lumped: unused() });
+        if let Some(mut viscous) = block.viscous.take() {
+            block.set_up_companion(&mut viscous);
+            block.viscous = Some(viscous);
+        }
+        if let Some(mut projected) = block.projected.take() {
+            block.set_up_companion(&mut projected);
+            block.projected = Some(projected);
+        }
+        Ok(())
+    }
+
     /// Total strain energy in J at displacement `u`.
     pub fn energy(&mut self, u: &[f64]) -> f64 {
         let mut total = 0.0;

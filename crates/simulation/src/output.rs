@@ -269,6 +269,9 @@ impl Simulation {
         self.state.previous = (!u.is_empty()).then_some(souple_solver::step::Previous { u, v, step: h });
         self.state.t = t;
         self.steps = steps as u64;
+        // Times are multiples of the step, unless the step was changed on the way to this state.
+        let multiple = self.steps as f64 * self.scene.time.step.value == t;
+        self.origin = if multiple { (0, 0.0) } else { (self.steps, t) };
         self.ending = None;
         self.skip_written_outputs();
         Ok(())

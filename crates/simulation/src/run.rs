@@ -1,5 +1,6 @@
 //! A simulation: built from a scene, advanced step by step, observed in between.
 
+use crate::interaction::{Controls, Interaction};
 use crate::motion::{Motion, Turn};
 use crate::phases::{PhaseTimes, Watched};
 use crate::prepare::{self, PrepareError, Prepared};
@@ -21,7 +22,7 @@ use souple_solver::rest::{Rest, RestMonitor};
 use souple_solver::step::{State, StepOptions, StepStatus, StepWorkspace, WarmStart, step};
 use souple_solver::vector::norm;
 use souple_solver::{Elimination, LanczosOptions, Method, NewtonOptions, StepBound, critical_step};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Instant;
@@ -101,6 +102,8 @@ pub struct Progress {
     pub time: f64,
     /// Iterations of the linear solver in this step.
     pub cg_iterations: usize,
+    /// Norm of what the last linear solve left over, relative to where it began; 0 where nothing was solved.
+    pub residual: f64,
     /// Kinetic energy in J.
     pub kinetic_energy: f64,
     /// Whether the simulation is over, and how.
@@ -118,11 +121,24 @@ pub struct Simulation {
     pub(crate) system: System,
     pub(crate) state: State,
     pub(crate) device: String,
+    /// What [`RunOptions::device`] named.
+    pub(crate) device_name: String,
+    /// Means over elements that can be computed without compiling anything more.
+    pub(crate) prepared_means: Vec<Average>,
     pub(crate) steps: u64,
     pub(crate) ending: Option<Ending>,
     pub(crate) step_ms: Vec<f64>,
     pub(crate) iterations: Vec<usize>,
     pub(crate) started: Instant,
+    /// What a person may change.
+    pub(crate) controls: Controls,
+    residual: f64,
+    endless: bool,
+    pub(crate) interaction: Interaction,
+    /// ∫ρN of each node in kg: what gravity acts on.
+    pub(crate) shape_mass: Vec<f64>,
+    /// Step and time since which the length of steps has not changed.
+    pub(crate) origin: (u64, f64),
     next_output: u64,
     workspace: StepWorkspace,
     rest: Option<RestMonitor>,
@@ -186,7 +202,8 @@ impl Simulation {
         if scene.integrator.tangent == Tangent::Projected {
             elements.set_tangent(souple_operators::Tangent::Projected, &*device, Costs::default())?;
         }
-        elements.prepare_means(&means(&scene), &*device, Costs::default())?;
+        let prepared_means = means(&scene);
+        elements.prepare_means(&prepared_means, &*device, Costs::default())?;
         let solver = scene.linear_solver.clone();
         let following = prepared.constraints.iter().map(|c| (c.node, &c.masters[..]));
         let elimination = Elimination::new(elements.dimension(), following);
@@ -214,8 +231,16 @@ impl Simulation {
                 RestMonitor::new(stop.mean_kinetic_energy, stop.check_every.unwrap_or(scene.time.step.value))
             });
         let workspace = StepWorkspace::new(len, method(&scene).unwrap_or(Method::ImplicitEuler));
-        let simulation = Simulation {
+        let mut simulation = Simulation {
+            controls: Simulation::initial_controls(&scene, &prepared),
+            interaction: Interaction::default(),
+            residual: 0.0,
+            endless: false,
+            shape_mass: masses.shape,
+            origin: (0, 0.0),
             device: device.about().name.clone() + ": " + &device.about().description,
+            device_name: options.device.clone(),
+            prepared_means,
             scene,
             prepared,
             system,
@@ -229,7 +254,13 @@ impl Simulation {
             workspace,
             rest,
         };
+        simulation.note_followers();
         Ok((simulation, warnings))
+    }
+
+    /// The meshes, elements and regions that the scene became.
+    pub fn prepared(&self) -> &Prepared {
+        &self.prepared
     }
 
     /// The scene.
@@ -255,6 +286,7 @@ impl Simulation {
         let mut warnings = Vec::new();
         if self.ending.is_none() {
             let before = Instant::now();
+            self.begin_step();
             let threads = self.system.threads.clone();
             let outcome = threads.awake(|| match self.scene.integrator.method.value {
                 SceneMethod::QuasiStatic => self.balance(),
@@ -277,6 +309,7 @@ impl Simulation {
             step: self.steps,
             time: self.state.t,
             cg_iterations: self.iterations.last().copied().unwrap_or(0),
+            residual: self.residual,
             kinetic_energy: self.kinetic_energy(),
             finished: self.ending,
             output_due: due,
@@ -333,6 +366,12 @@ impl Simulation {
         0.5 * self.state.v.iter().zip(&self.system.mass).map(|(v, m)| m * v * v).sum::<f64>()
     }
 
+    /// When a step ends, in s: a multiple of the step since it was last changed.
+    fn time_of(&self, step: u64) -> f64 {
+        let (steps, time) = self.origin;
+        time + (step - steps) as f64 * self.scene.time.step.value
+    }
+
     /// One step of a time integrator; the number of linear iterations, or what went wrong.
     fn integrate(&mut self, warnings: &mut Vec<String>) -> Result<usize, String> {
         let integrator = &self.scene.integrator;
@@ -360,6 +399,10 @@ impl Simulation {
             }
             StepStatus::Completed => {}
         }
+        self.residual = report.linear.as_ref().map_or(0.0, |linear| match linear.initial_residual > 0.0 {
+            true => linear.residual / linear.initial_residual,
+            false => 0.0,
+        });
         if let Some(linear) = &report.linear
             && !linear.converged()
         {
@@ -371,7 +414,7 @@ impl Simulation {
             ));
         }
         // The time is a multiple of the step, not a sum of roundings.
-        self.state.t = (self.steps + 1) as f64 * h;
+        self.state.t = self.time_of(self.steps + 1);
         let damping = integrator.velocity_damping;
         if damping > 0.0 {
             let factor = (-damping * h).exp();
@@ -389,7 +432,7 @@ impl Simulation {
     fn balance(&mut self) -> Result<usize, String> {
         let integrator = &self.scene.integrator;
         let h = self.scene.time.step.value;
-        let start = self.steps as f64 * h;
+        let start = self.time_of(self.steps);
         self.system.load_span = [start, start + h];
         self.system.raising = self.steps == 0;
         let first = 1.0 / f64::from(integrator.load_steps);
@@ -423,7 +466,7 @@ impl Simulation {
         let why = outcome.last_rejection.map_or(String::new(), |r| format!("; last attempt: {r:?}"));
         match outcome.status {
             QuasiStaticStatus::Finished => {
-                self.state.t = (self.steps + 1) as f64 * h;
+                self.state.t = self.time_of(self.steps + 1);
                 Ok(outcome.linear_iterations)
             }
             QuasiStaticStatus::StepTooSmall { .. } | QuasiStaticStatus::MaxAttempts => {
@@ -434,8 +477,17 @@ impl Simulation {
         }
     }
 
+    /// From now on neither the scene's end nor rest ends the simulation: somebody may want to touch it.
+    pub fn run_on(&mut self) {
+        self.endless = true;
+        self.ending = self.ending.filter(|e| *e == Ending::Failed);
+    }
+
     /// Notices the end, or rest before it.
     fn settle(&mut self) {
+        if self.endless {
+            return;
+        }
         let h = self.scene.time.step.value;
         if self.state.t >= self.end_time() - 1e-9 * h {
             self.ending = Some(Ending::Finished);
@@ -538,7 +590,7 @@ fn line_search(on: bool) -> LineSearch {
 }
 
 /// The solver's method; none when quasi-static.
-fn method(scene: &Scene) -> Option<Method> {
+pub(crate) fn method(scene: &Scene) -> Option<Method> {
     Some(match scene.integrator.method.value {
         SceneMethod::ExplicitEuler => Method::ExplicitEuler,
         SceneMethod::SymplecticEuler => Method::SymplecticEuler,
@@ -571,11 +623,14 @@ fn means(scene: &Scene) -> Vec<Average> {
     means
 }
 
-/// Prescribed unknowns, motions and loads; what acts on a node that follows others acts on its masters.
-fn constrain(system: &mut System, scene: &Scene, prepared: &Prepared) {
+/// Prescribed unknowns and motions, but for the nodes that were let go.
+pub(crate) fn hold(system: &mut System, scene: &Scene, prepared: &Prepared, freed: &BTreeSet<u32>) {
     let d = system.dimension;
+    let is_freed = |n: &u32| freed.contains(n);
+    system.prescribed.fill(false);
+    system.motions.clear();
     for (nodes, axes) in &prepared.fixed {
-        for &n in nodes {
+        for &n in nodes.iter().filter(|n| !is_freed(n)) {
             for axis in (0..d).filter(|&k| axes[k]) {
                 system.prescribed[n as usize * d + axis] = true;
             }
@@ -583,13 +638,14 @@ fn constrain(system: &mut System, scene: &Scene, prepared: &Prepared) {
     }
     for moved in &prepared.moved {
         let source = &scene.bodies[moved.source.0].value.moves[moved.source.1].value;
-        for &n in &moved.nodes {
+        let nodes: Vec<u32> = moved.nodes.iter().copied().filter(|n| !is_freed(n)).collect();
+        for &n in &nodes {
             for axis in (0..d).filter(|&k| source.axes[k]) {
                 system.prescribed[n as usize * d + axis] = true;
             }
         }
         system.motions.push(Motion {
-            nodes: moved.nodes.clone(),
+            nodes,
             axes: source.axes,
             translation: source.translation.clone().unwrap_or_default(),
             rotation: source.rotation.as_ref().map(|r| {
@@ -599,6 +655,12 @@ fn constrain(system: &mut System, scene: &Scene, prepared: &Prepared) {
         });
     }
     system.settle();
+}
+
+/// Prescribed unknowns, motions and loads; what acts on a node that follows others acts on its masters.
+fn constrain(system: &mut System, scene: &Scene, prepared: &Prepared) {
+    let d = system.dimension;
+    hold(system, scene, prepared, &BTreeSet::new());
     let mut at_nodes = vec![0.0; system.mass.len()];
     for load in &prepared.loads {
         at_nodes.fill(0.0);
@@ -612,7 +674,7 @@ fn constrain(system: &mut System, scene: &Scene, prepared: &Prepared) {
 }
 
 /// Explicit methods: a step beyond the critical one is refused, or warned of if the scene insists.
-fn refuse_large_step(
+pub(crate) fn refuse_large_step(
     system: &mut System,
     state: &State,
     method: Method,

@@ -16,6 +16,7 @@
 mod assembled;
 mod product_times;
 
+use crate::interaction::Touch;
 use crate::motion::Motion;
 use crate::phases::{Phases, WatchedOperator};
 use assembled::Assembled;
@@ -53,6 +54,8 @@ pub(crate) struct System {
     /// Nodes that follow others.
     pub(crate) elimination: Elimination,
     pub(crate) motions: Vec<Motion>,
+    /// Forces of hands and tools, and what they hold.
+    pub(crate) touch: Touch,
     /// Rayleigh coefficients α in 1/s and β in s.
     pub(crate) rayleigh: [f64; 2],
     /// Rest positions of all nodes, [node][axis].
@@ -138,6 +141,7 @@ impl System {
             prescribed: vec![false; len],
             held: vec![false; len],
             motions: Vec::new(),
+            touch: Touch::default(),
             rayleigh: [0.0; 2],
             nodes,
             reach: 1e3 * size,
@@ -232,6 +236,13 @@ impl System {
         self.external(t, out);
         self.with_expanded(u, |system, u| system.elements.add_force(u, out));
         self.elimination.restrict(out);
+        self.touch.add_force(self.dimension, u, out);
+    }
+
+    /// Forgets factors of matrices: to call when other unknowns are prescribed.
+    pub(crate) fn forget_factors(&mut self) {
+        self.direct = None;
+        self.incomplete = None;
     }
 
     fn linearise_at(&mut self, u: &[f64]) {
@@ -258,6 +269,9 @@ impl System {
                     condensation.condense(full, viscosity);
                 }
             }
+        }
+        if let Some(matrices) = &mut self.matrices {
+            self.touch.add_blocks(self.dimension, &mut matrices.stiffness);
         }
         self.damping_stale = true;
     }
@@ -292,6 +306,7 @@ impl System {
         y.fill(0.0);
         self.with_expanded(x, |system, x| system.elements.add_tangent(-1.0, x, y));
         self.elimination.restrict(y);
+        self.touch.add_product(self.dimension, x, y);
     }
 
     /// Solves (m M + k K + c C) x = rhs on the free unknowns.
@@ -633,6 +648,10 @@ impl SecondOrder for System {
         for motion in &self.motions {
             motion.prescribe(t, &self.nodes, self.dimension, u, v);
         }
+        for &(k, displacement) in &self.touch.held {
+            u[k] = displacement;
+            v[k] = 0.0;
+        }
         self.elimination.expand(u);
         self.elimination.expand(v);
     }
@@ -675,7 +694,7 @@ impl NewtonProblem for System {
         self.scratch = external;
         let mut energy = 0.0;
         self.with_expanded(x, |system, x| energy = system.elements.energy(x));
-        Ok(Some(energy - work))
+        Ok(Some(energy - work + self.touch.energy(self.dimension, x)))
     }
 
     fn linearise(&mut self, x: &[f64]) -> Result<(), Failure> {

@@ -219,6 +219,21 @@ pub fn report(mesh: &Mesh) -> Result<MeshReport, MeshError> {
     })
 }
 
+/// The quality of every element, 1 for the ideal shape of its family, `[block][element]`; see [`Quality`].
+///
+/// # Errors
+/// Those of [`validate`].
+pub fn qualities(mesh: &Mesh) -> Result<Vec<Vec<f64>>, MeshError> {
+    validate(mesh)?;
+    let flat = is_flat(mesh);
+    let of_block = |b: &crate::mesh::Block| {
+        let judge = Judge::new(b.element, flat);
+        let points = |index| b.nodes(index).iter().map(|&n| mesh.nodes[n as usize]).collect::<Vec<_>>();
+        (0..b.len()).map(|index| judge.judge(&points(index)).quality).collect()
+    };
+    Ok(mesh.blocks.iter().map(of_block).collect())
+}
+
 /// A sum that keeps the digits that plain addition drops (Neumaier): a million volumes add up to the body's to the
 /// last digits.
 #[derive(Default)]
