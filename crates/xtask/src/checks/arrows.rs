@@ -67,7 +67,8 @@ const FENCES: &[(&[&str], &[&str], &str)] = &[
         "results of many runs live there",
     ),
     (&["pyo3", "numpy"], &["souple-python"], "the bindings are the only crate that knows Python"),
-    (&["clap", "indicatif", "anyhow"], &["souple-cli"], "libraries have typed errors and print nothing"),
+    (&["clap"], &["souple-cli", "souple-viewer"], "only programs have arguments"),
+    (&["indicatif", "anyhow"], &["souple-cli"], "libraries have typed errors and print nothing"),
 ];
 
 pub(crate) fn run(workspace: &Workspace) -> Outcome {

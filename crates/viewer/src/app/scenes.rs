@@ -1,0 +1,98 @@
+//! The bundled scenes to choose from, with their pictures.
+
+use super::Wish;
+use egui::Ui;
+use std::path::{Path, PathBuf};
+
+/// Widest a picture is shown, in points.
+const WIDTH: f32 = 300.0;
+
+/// A scene to choose.
+struct Entry {
+    path: PathBuf,
+    name: String,
+    picture: Option<egui::ColorImage>,
+    texture: Option<egui::TextureHandle>,
+}
+
+/// Scenes to choose from.
+pub struct Gallery {
+    entries: Vec<Entry>,
+    typed: String,
+}
+
+impl Gallery {
+    /// Looks for the folder `scenes` here and above, and for pictures of its scenes in `docs/pictures/scenes` beside it.
+    pub fn find() -> Gallery {
+        let root = std::env::current_dir()
+            .ok()
+            .and_then(|here| here.ancestors().find(|folder| folder.join("scenes").is_dir()).map(Path::to_path_buf));
+        let mut entries = Vec::new();
+        if let Some(root) = root {
+            let listed = std::fs::read_dir(root.join("scenes"));
+            let mut paths: Vec<PathBuf> = listed.into_iter().flatten().flatten().map(|e| e.path()).collect();
+            paths.retain(|p| p.extension().is_some_and(|e| e == "toml"));
+            paths.sort();
+            for path in paths {
+                let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+                let picture = read(&root.join("docs/pictures/scenes").join(format!("{name}.png")));
+                entries.push(Entry { path, name, picture, texture: None });
+            }
+        }
+        Gallery { entries, typed: String::new() }
+    }
+
+    pub(super) fn ui(&mut self, ui: &mut Ui) -> Option<Wish> {
+        let mut wish = None;
+        egui::CentralPanel::default().show(ui, |ui| {
+            ui.heading("Scenes");
+            ui.horizontal(|ui| {
+                let name = ui.label("Scene file");
+                ui.text_edit_singleline(&mut self.typed).labelled_by(name.id);
+                if ui.button("Open").clicked() && !self.typed.trim().is_empty() {
+                    wish = Some(Wish::Open(PathBuf::from(self.typed.trim())));
+                }
+            });
+            if self.entries.is_empty() {
+                ui.label("There is no folder `scenes` here or above; name a scene file, or start in Souple's folder.");
+            }
+            egui::ScrollArea::vertical().show(ui, |ui| {
+                ui.horizontal_wrapped(|ui| {
+                    for entry in &mut self.entries {
+                        ui.vertical(|ui| {
+                            ui.set_width(WIDTH);
+                            let mut chosen = false;
+                            if let Some(picture) = entry.picture.take() {
+                                let options = egui::TextureOptions::LINEAR;
+                                entry.texture = Some(ui.ctx().load_texture(&entry.name, picture, options));
+                            }
+                            if let Some(texture) = &entry.texture {
+                                let image = egui::Image::new(texture).max_width(WIDTH).alt_text(&entry.name);
+                                chosen |= ui.add(egui::Button::image(image)).clicked();
+                            }
+                            chosen |= ui.button(&entry.name).clicked();
+                            if chosen {
+                                wish = Some(Wish::Open(entry.path.clone()));
+                            }
+                        });
+                    }
+                });
+            });
+        });
+        wish
+    }
+}
+
+/// A picture, if there is one that can be read.
+fn read(path: &Path) -> Option<egui::ColorImage> {
+    let file = std::io::BufReader::new(std::fs::File::open(path).ok()?);
+    let mut reader = png::Decoder::new(file).read_info().ok()?;
+    let mut bytes = vec![0; reader.output_buffer_size()?];
+    let about = reader.next_frame(&mut bytes).ok()?;
+    let size = [about.width as usize, about.height as usize];
+    match about.color_type {
+        png::ColorType::Rgb => Some(egui::ColorImage::from_rgb(size, &bytes[..about.buffer_size()])),
+        png::ColorType::Rgba => Some(egui::ColorImage::from_rgba_unmultiplied(size, &bytes[..about.buffer_size()])),
+        _ => None,
+    }
+}
