@@ -7,3 +7,4 @@ pub(crate) mod derive;
 pub(crate) mod list;
 pub(crate) mod mesh;
 pub(crate) mod run;
+pub(crate) mod view;

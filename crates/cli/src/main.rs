@@ -40,6 +40,8 @@ enum Command {
     CheckLaw(commands::check_law::Arguments),
     /// Run a scene
     Run(commands::run::Arguments),
+    /// See a scene in a window and touch it, or draw a picture of it
+    View(commands::view::Arguments),
     /// Measure what kernels, operators, steps and loading cost on this machine
     Bench(commands::bench::Arguments),
 }
@@ -52,6 +54,7 @@ fn main() -> ExitCode {
         Command::Check(arguments) => commands::check::run(&arguments),
         Command::CheckLaw(arguments) => commands::check_law::run(&arguments),
         Command::Run(arguments) => commands::run::run(&arguments),
+        Command::View(arguments) => commands::view::run(&arguments),
         Command::Bench(arguments) => commands::bench::run(&arguments),
     };
     match result {

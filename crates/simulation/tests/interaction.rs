@@ -1,5 +1,7 @@
 //! Touching a running simulation: what hands, tools and knobs do, and that a session is repeated to the last bit.
 
+#![allow(clippy::unwrap_used, reason = "a test that unwraps says with its line number what it expected")]
+
 use souple_simulation::interaction::{Pull, Tool};
 use souple_simulation::session::{Change, Command, Session, SessionOptions, replay};
 use souple_simulation::{RunOptions, Simulation};

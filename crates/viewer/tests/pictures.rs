@@ -2,6 +2,8 @@
 //!
 //! Without a graphics adapter, hardware or software, the tests that draw pass and say that they were skipped.
 
+#![allow(clippy::unwrap_used, reason = "a test that unwraps says with its line number what it expected")]
+
 use souple_simulation::RunOptions;
 use souple_simulation::elements::Family;
 use souple_viewer::animation::Animation;
@@ -90,7 +92,7 @@ fn sections_show_the_inside() {
     let [low, high] = bounds(&model.rest);
     let section = Some(Section { normal: [0.0, 0.0, 1.0], offset: 0.5 * (low[2] + high[2]) });
     let inside = counts(&picture(&mut studio, &model, &Look { faces, section, ..Look::default() }), &families);
-    assert!(inside[0] > 3000 && inside[1] > 300 && inside[2] > 3000, "{inside:?}");
+    assert!(inside[0] > 3000 && inside[1] > 40 && inside[2] > 3000, "{inside:?}");
 }
 
 /// The surface of a volume is a small part of it: what is drawn of the organ is faces of one element only, closed.

@@ -2,6 +2,8 @@
 //!
 //! Without a graphics adapter, hardware or software, these tests pass and say that they were skipped.
 
+#![allow(clippy::unwrap_used, reason = "a test that unwraps says with its line number what it expected")]
+
 use egui_kittest::kittest::Queryable as _;
 use egui_kittest::wgpu::WgpuTestRenderer;
 use egui_kittest::{Harness, Node};
@@ -120,7 +122,7 @@ fn grab_and_pull() {
     assert!(highest(window.state()) > 1e-3, "the body did not follow: {}", highest(window.state()));
     window.drop_at(start - egui::vec2(0.0, 80.0));
     until(&mut window, "the release", |app| app.running().is_some_and(|r| r.snapshot.pulls.is_empty()));
-    window.get_by_label("⏸ Pause").click();
+    window.get_by_label("Pause").click();
     until(&mut window, "the pause", |app| app.running().is_some_and(|r| !r.snapshot.playing));
 
     let (checkpoint, script) = window.state().running().unwrap().session.state().unwrap();
@@ -138,7 +140,7 @@ fn pause_stops_time() {
     let path = scene("pause", &BAR.replace("GRAVITY", "gravity = [0.0, -9.81, 0.0]"));
     let Some(mut window) = window("pause_stops_time", Some(path), true) else { return };
     until(&mut window, "motion", |app| step(app) > 3);
-    window.get_by_label("⏸ Pause").click();
+    window.get_by_label("Pause").click();
     until(&mut window, "the pause", |app| app.running().is_some_and(|r| !r.snapshot.playing));
     let stopped = step(window.state());
     window.run_steps(20);
@@ -162,7 +164,8 @@ fn parameters_take_effect() {
     };
     until(&mut window, "rest", |app| step(app) > 150);
     let before = lowest(window.state());
-    let field = window.get_all_by_label("young in Pa").next_back().unwrap();
+    // The first block is that of the hexahedra, at the clamp.
+    let field = window.get_all_by_role_and_label(egui::accesskit::Role::SpinButton, "young in Pa").next().unwrap();
     field.set_value_accesskit(1e4);
     until(&mut window, "the parameter", |app| {
         app.running().is_some_and(|r| r.snapshot.controls.as_ref().is_some_and(|c| c.parameters[0][0] == 1e4))

@@ -1,12 +1,14 @@
 //! `cargo xtask`: what the repository asks of itself.
 //!
 //! `cargo xtask test` runs every check there is, in stages ([`stages::ALL`]), and ends with a table that also names what
-//! was skipped and why. It is the only command that a change has to pass. `cargo xtask bless` rewrites golden files.
+//! was skipped and why. It is the only command that a change has to pass. `cargo xtask bless` rewrites golden files,
+//! `cargo xtask pictures` draws the pictures of the documents.
 //!
 //! What it is not: a build system. It calls cargo and reads files; nothing that it does is needed to build or use
 //! Souple.
 
 mod checks;
+mod pictures;
 mod rust_source;
 mod scratch;
 mod stages;
@@ -24,6 +26,7 @@ Checks and chores of this repository.
     cargo xtask test --only STAGE ...  some stages
     cargo xtask test --list            what the stages are
     cargo xtask bless                  run the tests, rewriting golden files (then read the difference!)
+    cargo xtask pictures               draw the pictures of the documents again
 ";
 
 fn main() -> ExitCode {
@@ -41,6 +44,7 @@ fn main() -> ExitCode {
             Err(complaint) => usage(&complaint),
         },
         ["bless"] => with_workspace(bless),
+        ["pictures"] => with_workspace(pictures::run),
         [] | ["help" | "--help" | "-h"] => {
             print!("{HELP}");
             ExitCode::SUCCESS

@@ -52,7 +52,8 @@ fn budget(recent: &[Sample], draw: f64, ui: &mut Ui) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 6.0;
         for (name, ms, colour) in parts {
-            ui.label(egui::RichText::new("■").color(colour));
+            let (swatch, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
+            ui.painter().rect_filled(swatch, 2.0, colour);
             ui.label(format!("{name} {ms:.2} ms"));
         }
     });

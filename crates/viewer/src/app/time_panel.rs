@@ -19,10 +19,11 @@ const SPEEDS: [(Option<f64>, &str); 6] = [
 
 pub(super) fn ui(running: &mut Running, ui: &mut Ui) -> Option<Wish> {
     let mut wish = None;
-    let snapshot = running.snapshot.clone();
+    let mut reset = false;
+    let mut chosen = None;
+    let snapshot = &running.snapshot;
     ui.horizontal_wrapped(|ui| {
-        let (label, command) =
-            if snapshot.playing { ("⏸ Pause", Command::Pause) } else { ("▶ Play", Command::Play) };
+        let (label, command) = if snapshot.playing { ("Pause", Command::Pause) } else { ("Play", Command::Play) };
         if ui.button(label).on_hover_text("Space").clicked() {
             running.session.send(command);
         }
@@ -31,9 +32,8 @@ pub(super) fn ui(running: &mut Running, ui: &mut Ui) -> Option<Wish> {
         }
         if ui.button("Reset").on_hover_text("Back to the beginning, all changes undone; R").clicked() {
             running.session.send(Command::Reset);
-            running.tool = None;
+            reset = true;
         }
-        let mut chosen = None;
         egui::ComboBox::new("speed", "Speed").selected_text(running.speed_name()).show_ui(ui, |ui| {
             for (speed, name) in SPEEDS {
                 if ui.selectable_label(running.speed_name() == name, name).clicked() {
@@ -41,10 +41,6 @@ pub(super) fn ui(running: &mut Running, ui: &mut Ui) -> Option<Wish> {
                 }
             }
         });
-        if let Some((speed, name)) = chosen {
-            running.session.send(Command::Speed(speed));
-            running.speed = name;
-        }
         ui.separator();
         ui.label(format!("t = {}, step {}", with_unit(snapshot.time, "s"), snapshot.step));
         ui.label(format!("{:.2} × real time", snapshot.real_time_factor));
@@ -84,6 +80,13 @@ pub(super) fn ui(running: &mut Running, ui: &mut Ui) -> Option<Wish> {
     });
     if let Some(error) = &snapshot.error {
         ui.colored_label(ui.visuals().error_fg_color, error);
+    }
+    if let Some((speed, name)) = chosen {
+        running.session.send(Command::Speed(speed));
+        running.speed = name;
+    }
+    if reset {
+        running.tool = None;
     }
     wish
 }

@@ -83,6 +83,7 @@ mod tests {
     #[test]
     fn the_bar_is_drawn() {
         let progress = Progress {
+            residual: 0.0,
             step: 10,
             time: 1.5,
             cg_iterations: 7,
