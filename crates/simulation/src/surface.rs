@@ -8,6 +8,7 @@ use crate::prepare::{Prepared, PreparedBody};
 use souple_elements::{Element, Family};
 use souple_mesh::ElementId;
 use souple_mesh::topology::{Topology, boundary};
+use std::collections::BTreeSet;
 
 /// A face of the surface.
 #[derive(Clone, Debug)]
@@ -20,7 +21,8 @@ pub struct Face {
     pub element: u32,
 }
 
-/// Faces of one solid element only, and elements that are surfaces themselves, body by body.
+/// Faces of one solid element only, and elements that are surfaces themselves, body by body. A membrane that covers a
+/// solid's face takes its place.
 pub fn faces(prepared: &Prepared) -> Vec<Face> {
     let mut faces = Vec::new();
     for body in &prepared.bodies {
@@ -34,6 +36,13 @@ fn add_faces(body: &PreparedBody, faces: &mut Vec<Face>) {
     let number_of = |id: ElementId| -> Option<u32> {
         numbers.binary_search_by_key(&id, |n| n.0).ok().map(|at| body.first_element + numbers[at].1)
     };
+    let sorted = |nodes: &[u32]| {
+        let mut nodes = nodes.to_vec();
+        nodes.sort_unstable();
+        nodes
+    };
+    let surfaces = || body.elements.iter().copied().filter(|&id| body.element(id).dimension() == 2);
+    let covers: BTreeSet<Vec<u32>> = surfaces().map(|id| sorted(body.mesh.nodes_of(id))).collect();
     if body.mesh.dimension() == 3
         // A mesh that was prepared has no node out of range; what is too large to number has no surface here.
         && let Ok(topology) = Topology::new(&body.mesh)
@@ -42,13 +51,16 @@ fn add_faces(body: &PreparedBody, faces: &mut Vec<Face>) {
         for (block, owners) in surface.mesh.blocks.iter().zip(&surface.owners) {
             for (index, face) in owners.iter().enumerate() {
                 let Some(element) = number_of(topology.id(face.element())) else { continue };
-                let parent = |n: &u32| surface.parent[*n as usize] + body.first_node;
-                let nodes = block.nodes(index).iter().map(parent).collect();
+                let nodes: Vec<u32> = block.nodes(index).iter().map(|&n| surface.parent[n as usize]).collect();
+                if covers.contains(&sorted(&nodes)) {
+                    continue;
+                }
+                let nodes = nodes.into_iter().map(|n| n + body.first_node).collect();
                 faces.push(Face { kind: block.element, nodes, element });
             }
         }
     }
-    for &id in body.elements.iter().filter(|&&id| body.element(id).dimension() == 2) {
+    for id in surfaces() {
         let Some(element) = number_of(id) else { continue };
         let nodes = body.mesh.nodes_of(id).iter().map(|n| n + body.first_node).collect();
         faces.push(Face { kind: body.element(id), nodes, element });

@@ -109,6 +109,18 @@ fn the_surface_is_closed_and_small() {
     assert!(model.skin.triangles.len() < model.elements.len());
 }
 
+/// A membrane that covers a solid is drawn in its place: no two faces share all of their nodes.
+#[test]
+fn no_face_is_drawn_twice() {
+    let model = model("skin_and_tendon.toml");
+    let mut triangles: Vec<[u32; 3]> = model.skin.triangles.clone();
+    triangles.iter_mut().for_each(|t| t.sort_unstable());
+    triangles.sort_unstable();
+    assert!(triangles.windows(2).all(|w| w[0] != w[1]));
+    let owners = model.skin.owners.iter().filter(|&&e| model.elements[e as usize].kind.dimension() == 2);
+    assert!(owners.count() > 0, "the skin is not drawn");
+}
+
 /// Every way to colour has an entry for every element, and numbers come with a range.
 #[test]
 fn every_colouring_is_complete() {

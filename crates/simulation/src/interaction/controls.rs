@@ -92,7 +92,7 @@ impl Controls {
             positive("the stiffness of a pull", pull.stiffness, "newtons per metre")?;
             finite("the target of a pull", &pull.target)?;
             let sum: f64 = pull.anchor.iter().map(|a| a.1).sum();
-            if pull.anchor.iter().any(|a| a.1 < 0.0) || !((sum - 1.0).abs() <= 1e-6) {
+            if pull.anchor.iter().any(|a| a.1 < 0.0) || sum.is_nan() || (sum - 1.0).abs() > 1e-6 {
                 let message = "the weights of a pull's nodes must not be negative and add up to 1";
                 return Err(ControlError(message.into()));
             }
