@@ -67,7 +67,9 @@ impl Gallery {
                                 entry.texture = Some(ui.ctx().load_texture(&entry.name, picture, options));
                             }
                             if let Some(texture) = &entry.texture {
-                                let image = egui::Image::new(texture).max_width(WIDTH).alt_text(&entry.name);
+                                let image = egui::Image::new(texture)
+                                    .max_width(WIDTH)
+                                    .alt_text(format!("Picture of {}", entry.name));
                                 chosen |= ui.add(egui::Button::image(image)).clicked();
                             }
                             chosen |= ui.button(&entry.name).clicked();
