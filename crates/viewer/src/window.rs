@@ -3,6 +3,7 @@
 use crate::app::App;
 use souple_simulation::RunOptions;
 use souple_simulation::session::SessionOptions;
+use std::error::Error;
 use std::path::PathBuf;
 
 struct Window(App);
@@ -23,11 +24,12 @@ pub fn open(scene: Option<PathBuf>, overrides: Vec<String>, options: RunOptions)
         renderer: eframe::Renderer::Wgpu,
         ..eframe::NativeOptions::default()
     };
-    let create = move |context: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, _> {
-        let state = context.wgpu_render_state.clone().ok_or("the window has no graphics device")?;
-        let app = App::new(state, scene, overrides, options, SessionOptions::default());
-        Ok(Box::new(Window(app)) as Box<dyn eframe::App>)
-    };
+    let create =
+        move |context: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, Box<dyn Error + Send + Sync>> {
+            let state = context.wgpu_render_state.clone().ok_or("the window has no graphics device")?;
+            let app = App::new(state, scene, overrides, options, SessionOptions::default());
+            Ok(Box::new(Window(app)) as Box<dyn eframe::App>)
+        };
     eframe::run_native("souple", native, Box::new(create))
         .map_err(|e| format!("no window can be opened: {e}; pictures need none: --screenshot FILE"))
 }
