@@ -269,6 +269,20 @@ pub fn random_programs_in_singles(backend: &dyn Backend, seed: u64, count: usize
     }
 }
 
+/// Programs with hundreds of values alive at once, in single precision.
+pub fn long_programs_in_singles(backend: &dyn Backend, seed: u64) {
+    let mut random = Random::new(seed);
+    for length in [500, 1500] {
+        let program = random_program(&mut random, length);
+        assert!(compare_singles(backend, &program, &mut random), "{} has singles", backend.about().name);
+    }
+}
+
+/// An invalid program is refused with an error in single precision too.
+pub fn invalid_is_refused_in_singles(backend: &dyn Backend) {
+    assert!(backend.compile_singles(&invalid()).is_err());
+}
+
 /// Long programs: hundreds of values alive at once must be spilled correctly.
 pub fn long_programs(backend: &dyn Backend, seed: u64) {
     let mut random = Random::new(seed);
@@ -291,9 +305,41 @@ pub fn text_round_trip(backend: &dyn Backend, seed: u64) {
 
 /// An invalid program is refused with an error, not run.
 pub fn invalid_is_refused(backend: &dyn Backend) {
+    assert!(backend.compile(&invalid()).is_err());
+}
+
+/// A program that reads a value before it is defined.
+fn invalid() -> Program {
     let text = "program bad\npoints 1\noutput o 1\nstraight\n  v1 = v0 + v0\n  output o[0] = v1\nend\n";
-    let program = parse(text).unwrap_or_else(|e| panic!("{e}"));
-    assert!(backend.compile(&program).is_err());
+    parse(text).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Instantiates the suite for a backend that has singles only and is not on every machine:
+/// `conformance_in_singles!(expression that gives an optional backend)`. Tests pass where there is none.
+#[macro_export]
+macro_rules! conformance_in_singles {
+    ($backend:expr) => {
+        /// Random programs in single precision agree with the oracle.
+        #[test]
+        fn singles_agree_with_the_oracle() {
+            let Some(backend) = $backend else { return };
+            $crate::conformance::random_programs_in_singles(&backend, 4, 120);
+        }
+
+        /// Programs with many live values agree with the oracle.
+        #[test]
+        fn long_programs_agree_with_the_oracle() {
+            let Some(backend) = $backend else { return };
+            $crate::conformance::long_programs_in_singles(&backend, 2);
+        }
+
+        /// An invalid program is refused.
+        #[test]
+        fn invalid_programs_are_refused() {
+            let Some(backend) = $backend else { return };
+            $crate::conformance::invalid_is_refused_in_singles(&backend);
+        }
+    };
 }
 
 /// Instantiates the suite for a backend: `conformance!(expression that gives a backend)`.
