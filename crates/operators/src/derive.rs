@@ -133,7 +133,7 @@ pub fn derive_moduli(derived: &Derived, costs: Costs) -> Staged {
 }
 
 /// The buffers that programs read leaves from.
-fn leaves(d: &Definition) -> [BufferRequest; 6] {
+pub(crate) fn leaves(d: &Definition) -> [BufferRequest; 6] {
     [
         ("rest", d.rest.clone()),
         ("parameters", d.parameters.clone()),

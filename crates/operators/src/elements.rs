@@ -39,12 +39,12 @@ pub(crate) struct Block {
     pub(crate) derived: Arc<Derived>,
     pub(crate) groups: usize,
     /// Rest positions of all nodes, [node, axis].
-    rest: Arc<Vec<f64>>,
+    pub(crate) rest: Arc<Vec<f64>>,
     /// Node of each lane, [group][node][lane]; lanes beyond the last element repeat it.
     rows: Vec<u32>,
     kernels: Kernels,
-    carried: Carried,
-    inversion: Inversion,
+    pub(crate) carried: Carried,
+    pub(crate) inversion: Inversion,
     pub(crate) viscous: Option<Companion>,
     pub(crate) projected: Option<Companion>,
     /// Contributions to nodal vectors, [group][node, axis][lane].

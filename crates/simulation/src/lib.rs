@@ -2,6 +2,7 @@
 
 pub mod derive_report;
 mod fields;
+pub mod gpu;
 pub mod interaction;
 pub mod law_report;
 pub mod lists;
@@ -10,6 +11,7 @@ mod output;
 mod phases;
 pub mod prepare;
 mod probes;
+mod remote;
 mod run;
 pub mod session;
 pub mod surface;

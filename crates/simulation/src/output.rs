@@ -1,5 +1,6 @@
 //! What leaves a simulation: pictures of a state, summaries, checkpoints.
 
+use crate::gpu::Transfers;
 use crate::prepare::PreparedBody;
 use crate::probes::{Measured, ProbeValue};
 use crate::run::{Ending, RunError, Simulation};
@@ -34,6 +35,9 @@ pub struct Summary {
     pub device: String,
     /// Probe, quantity, value.
     pub probes: BTreeMap<String, BTreeMap<String, ProbeValue>>,
+    /// Bytes moved between host and graphics device since loading; none on the processor.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transfers: Option<Transfers>,
     /// How it ended; failed also when it was stopped before its end.
     pub status: Ending,
 }
@@ -86,6 +90,7 @@ impl Simulation {
             nodes: self.prepared.nodes.len(),
             device: self.device.clone(),
             probes: self.probes(),
+            transfers: self.transfers(),
             status: self.ending.unwrap_or(Ending::Failed),
         }
     }
@@ -95,6 +100,7 @@ impl Simulation {
     /// # Errors
     /// When a mesh cannot be written; the message says why.
     pub fn frame(&mut self) -> Result<Vec<(String, Vec<u8>)>, RunError> {
+        self.fetch();
         let d = self.system.dimension;
         let spread = |values: &[f64]| -> Vec<[f64; 3]> {
             values.chunks(d).map(|v| std::array::from_fn(|k| v.get(k).copied().unwrap_or(0.0))).collect()
@@ -209,17 +215,18 @@ impl Simulation {
 
     /// The whole state, for [`Simulation::restore`].
     pub fn checkpoint(&self) -> Vec<u8> {
+        let state = self.present();
         let mut bytes = MAGIC.to_vec();
         let mut put = |x: f64| bytes.extend_from_slice(&x.to_bits().to_le_bytes());
         put(self.steps as f64);
-        put(self.state.t);
-        put(self.state.u.len() as f64);
-        let previous = self.state.previous.as_ref();
+        put(state.t);
+        put(state.u.len() as f64);
+        let previous = state.previous.as_ref();
         let lists: [&[f64]; 6] = [
-            &self.state.u,
-            &self.state.v,
-            &self.state.guess,
-            &self.state.acceleration,
+            &state.u,
+            &state.v,
+            &state.guess,
+            &state.acceleration,
             previous.map_or(&[], |p| &p.u),
             previous.map_or(&[], |p| &p.v),
         ];
@@ -274,6 +281,7 @@ impl Simulation {
         self.origin = if multiple { (0, 0.0) } else { (self.steps, t) };
         self.ending = None;
         self.skip_written_outputs();
+        self.send();
         Ok(())
     }
 }

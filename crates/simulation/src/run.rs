@@ -1,5 +1,6 @@
 //! A simulation: built from a scene, advanced step by step, observed in between.
 
+use crate::gpu::{self, OnDevice};
 use crate::interaction::{Controls, Interaction};
 use crate::motion::{Motion, Turn};
 use crate::phases::{PhaseTimes, Watched};
@@ -15,6 +16,7 @@ use souple_scene::expect::Expectation;
 use souple_scene::integrator::{Method as SceneMethod, Tangent};
 use souple_scene::output::Field as SceneField;
 use souple_scene::probe::Quantity;
+use souple_scene::linear_solver::{LinearMethod, Operator, Precision, Preconditioner};
 use souple_scene::{Scene, SceneErrors};
 use souple_solver::newton::LineSearch;
 use souple_solver::quasi_static::{QuasiStaticOptions, QuasiStaticStatus, quasi_static};
@@ -24,14 +26,15 @@ use souple_solver::vector::norm;
 use souple_solver::{Elimination, LanczosOptions, Method, NewtonOptions, StepBound, critical_step};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 use thiserror::Error;
 
 /// Where and how a simulation runs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RunOptions {
-    /// `"cpu"`, `"cpu:avx512"`, `"cpu:avx2"`, `"cpu:baseline"` or `"interpreter"`.
+    /// `"cpu"`, `"cpu:avx512"`, `"cpu:avx2"`, `"cpu:baseline"`, `"interpreter"`, or a graphics device: `"gpu"`,
+    /// `"gpu:1"`, `"gpu:lavapipe"`.
     pub device: String,
     /// Number of threads; 0 takes as many as the machine has.
     pub threads: usize,
@@ -142,6 +145,20 @@ pub struct Simulation {
     next_output: u64,
     workspace: StepWorkspace,
     rest: Option<RestMonitor>,
+    /// Steps on a graphics device, and what the host knows of its state.
+    pub(crate) on_device: Option<Remote>,
+}
+
+/// A simulation whose state is on a graphics device.
+pub(crate) struct Remote {
+    pub(crate) device: OnDevice,
+    /// Kinetic energy of the present state in J, which the device computed.
+    pub(crate) energy: f64,
+    /// Whether [`Simulation::state`] is older than the device's; `fetched` then holds what was read since.
+    pub(crate) stale: bool,
+    pub(crate) fetched: OnceLock<State>,
+    /// Steps made when [`Simulation::state`] came back last.
+    pub(crate) known: u64,
 }
 
 /// Opens a device by name.
@@ -190,7 +207,9 @@ impl Simulation {
             n => n,
         };
         let threads = Arc::new(Threads::new(threads).map_err(LoadError::Threads)?);
-        let device = open_device(&options.device)?;
+        // What a graphics device does not do for itself, set-up and probes among them, the processor does.
+        let adapter = gpu::adapter_of(&options.device);
+        let device = open_device(if adapter.is_some() { "cpu" } else { &options.device })?;
         let (mut elements, masses) = Elements::new(
             prepared.dimension,
             &prepared.nodes,
@@ -204,7 +223,14 @@ impl Simulation {
         }
         let prepared_means = means(&scene);
         elements.prepare_means(&prepared_means, &*device, Costs::default())?;
-        let solver = scene.linear_solver.clone();
+        let mut solver = scene.linear_solver.clone();
+        if adapter.is_some() {
+            // The host keeps no matrix of a system that it does not solve.
+            solver.method.value = LinearMethod::Cg;
+            solver.operator.value = Operator::MatrixFree;
+            solver.preconditioner.value = Preconditioner::None;
+            solver.precision.value = Precision::Double;
+        }
         let following = prepared.constraints.iter().map(|c| (c.node, &c.masters[..]));
         let elimination = Elimination::new(elements.dimension(), following);
         let nodes = prepared.nodes.clone();
@@ -230,7 +256,22 @@ impl Simulation {
             scene.time.stop.as_ref().map(|stop| {
                 RestMonitor::new(stop.mean_kinetic_energy, stop.check_every.unwrap_or(scene.time.step.value))
             });
-        let workspace = StepWorkspace::new(len, method(&scene).unwrap_or(Method::ImplicitEuler));
+        let mut on_device = match adapter {
+            None => None,
+            Some(name) => {
+                let device = OnDevice::load(name, &scene, scene_file, &system, &prepared, &mut warnings)?;
+                Some(Remote { device, energy: 0.0, stale: false, fetched: OnceLock::new(), known: 0 })
+            }
+        };
+        let workspace = if on_device.is_some() {
+            StepWorkspace::default()
+        } else {
+            StepWorkspace::new(len, method(&scene).unwrap_or(Method::ImplicitEuler))
+        };
+        if let Some(remote) = &mut on_device {
+            remote.device.write(&state);
+            remote.energy = kinetic(&state.v, &system.mass);
+        }
         let mut simulation = Simulation {
             controls: Simulation::initial_controls(&scene, &prepared),
             interaction: Interaction::default(),
@@ -238,9 +279,13 @@ impl Simulation {
             endless: false,
             shape_mass: masses.shape,
             origin: (0, 0.0),
-            device: device.about().name.clone() + ": " + &device.about().description,
             device_name: options.device.clone(),
             prepared_means,
+            device: match &on_device {
+                Some(remote) => remote.device.description(),
+                None => device.about().name.clone() + ": " + &device.about().description,
+            },
+            on_device,
             scene,
             prepared,
             system,
@@ -288,10 +333,14 @@ impl Simulation {
             let before = Instant::now();
             self.begin_step();
             let threads = self.system.threads.clone();
-            let outcome = threads.awake(|| match self.scene.integrator.method.value {
-                SceneMethod::QuasiStatic => self.balance(),
-                _ => self.integrate(&mut warnings),
-            });
+            let outcome = if self.on_device.is_some() {
+                self.step_on_device(&mut warnings)
+            } else {
+                threads.awake(|| match self.scene.integrator.method.value {
+                    SceneMethod::QuasiStatic => self.balance(),
+                    _ => self.integrate(&mut warnings),
+                })
+            };
             let iterations = outcome.map_err(|message| {
                 self.ending = Some(Ending::Failed);
                 RunError { message: self.explain(&message) }
@@ -331,6 +380,7 @@ impl Simulation {
 
     /// A warning when elements are inside out in the present state: an equilibrium of numbers, not of matter.
     fn inverted(&mut self) -> Option<String> {
+        self.fetch();
         let crushed = self.system.elements.crushed(&self.state.u, 0.0);
         let (id, ratio) = *crushed.first()?;
         Some(format!(
@@ -363,7 +413,10 @@ impl Simulation {
 
     /// Kinetic energy of all nodes in J.
     pub fn kinetic_energy(&self) -> f64 {
-        0.5 * self.state.v.iter().zip(&self.system.mass).map(|(v, m)| m * v * v).sum::<f64>()
+        match &self.on_device {
+            Some(remote) => remote.energy,
+            None => kinetic(&self.state.v, &self.system.mass),
+        }
     }
 
     /// When a step ends, in s: a multiple of the step since it was last changed.
@@ -502,6 +555,7 @@ impl Simulation {
 
     /// A failure with the elements that are worst off in the last good state, and what to try.
     fn explain(&mut self, message: &str) -> String {
+        self.fetch();
         let crushed = self.system.elements.crushed(&self.state.u, 0.2);
         let named: Vec<String> = crushed
             .iter()
@@ -531,6 +585,7 @@ impl Simulation {
 
     /// All probes: name, quantity, value.
     pub fn probes(&mut self) -> BTreeMap<String, BTreeMap<String, ProbeValue>> {
+        self.fetch();
         let mut all = BTreeMap::new();
         for (probe, region) in self.scene.probes.iter().zip(&self.prepared.probes) {
             let mut values = BTreeMap::new();
@@ -572,13 +627,18 @@ impl Simulation {
 
     /// Displacements, [node, axis], in m.
     pub fn displacement(&self) -> &[f64] {
-        &self.state.u
+        &self.present().u
     }
 
     /// Number of space dimensions.
     pub fn dimension(&self) -> usize {
         self.system.dimension
     }
+}
+
+/// ½ Σ m v² in J.
+pub(crate) fn kinetic(v: &[f64], mass: &[f64]) -> f64 {
+    0.5 * v.iter().zip(mass).map(|(v, m)| m * v * v).sum::<f64>()
 }
 
 fn line_search(on: bool) -> LineSearch {

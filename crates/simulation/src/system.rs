@@ -496,7 +496,7 @@ fn decouple(blocks: &mut [f64], held: &[bool], d: usize) {
 }
 
 /// A factor of time: linear between keys, held outside, one without keys.
-fn factor_at(keys: &[(f64, f64)], t: f64) -> f64 {
+pub(crate) fn factor_at(keys: &[(f64, f64)], t: f64) -> f64 {
     let next = keys.partition_point(|k| k.0 <= t);
     match (next.checked_sub(1).map(|k| keys[k]), keys.get(next)) {
         (None, None) => 1.0,

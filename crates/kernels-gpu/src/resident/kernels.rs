@@ -129,9 +129,11 @@ impl Text {
             let _ = writeln!(out, "@group(0) @binding({number}) var<storage, {access}> {name}: {kind};");
         }
         let uses = |slot: Slot| self.reads.contains(&slot) || self.writes.contains(&slot);
-        if uses(Slot::Sums) {
-            // Only kernels that collect know how many parts there are; those that leave parts know it too.
-            out.push_str(include_str!("kernels/sums.wgsl"));
+        if self.writes.contains(&Slot::Sums) {
+            out.push_str(include_str!("kernels/leave.wgsl"));
+        }
+        if uses(Slot::Sums) && uses(Slot::Parameters) {
+            out.push_str(include_str!("kernels/collect.wgsl"));
         }
         if uses(Slot::Inverse) && uses(Slot::R) {
             out.push_str(include_str!("kernels/precondition.wgsl"));
@@ -151,5 +153,30 @@ impl Text {
         let writable: Vec<bool> =
             (0..self.reads.len() + self.writes.len()).map(|k| k >= self.reads.len()).collect();
         gpu.compile(self.name, &self.source(), Some("main"), &writable)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::OpenError;
+
+    /// Every kernel of vectors is accepted by the device's compiler.
+    #[test]
+    fn every_kernel_compiles() {
+        let gpu = match Gpu::open("", None) {
+            Ok(gpu) => gpu,
+            Err(OpenError::None) => return println!("skipped: no adapter"),
+            Err(error) => panic!("{error}"),
+        };
+        let all = [
+            GATHER, PRODUCT, BEGIN, MOVED, MOVED_END, LOAD, RIGHT, EXPLICIT, INVERSE, RESIDUAL, DIRECTION, OPEN, DESCEND,
+            ADVANCE, FINISH, ENERGY, JUDGE, CLOSE,
+        ];
+        for text in all {
+            if let Err(error) = text.compile(&gpu) {
+                panic!("{error}\n{}", text.source());
+            }
+        }
     }
 }
