@@ -4,6 +4,7 @@ pub(crate) mod bench;
 pub(crate) mod check;
 pub(crate) mod check_law;
 pub(crate) mod derive;
+pub(crate) mod doctor;
 pub(crate) mod list;
 pub(crate) mod mesh;
 pub(crate) mod run;

@@ -42,6 +42,8 @@ enum Command {
     Run(commands::run::Arguments),
     /// See a scene in a window and touch it, or draw a picture of it
     View(commands::view::Arguments),
+    /// Say what graphics devices this machine has, what they lack and what to do about it
+    Doctor(commands::doctor::Arguments),
     /// Measure what kernels, operators, steps and loading cost on this machine
     Bench(commands::bench::Arguments),
 }
@@ -55,6 +57,7 @@ fn main() -> ExitCode {
         Command::CheckLaw(arguments) => commands::check_law::run(&arguments),
         Command::Run(arguments) => commands::run::run(&arguments),
         Command::View(arguments) => commands::view::run(&arguments),
+        Command::Doctor(arguments) => commands::doctor::run(&arguments),
         Command::Bench(arguments) => commands::bench::run(&arguments),
     };
     match result {

@@ -3,10 +3,14 @@
 //! Nothing is derived here ([`souple_operators::derive()`] does), nothing is printed: everything is a value or a text.
 //! The teaching view, from shape functions to forces, is [`latex`].
 
+#[cfg(feature = "gpu")]
+mod device_text;
 mod explanation;
 mod latex;
 mod typeset;
 
+#[cfg(feature = "gpu")]
+pub use device_text::{Language, device_text};
 pub use explanation::explanation;
 pub use latex::latex;
 pub use souple_forms::Loops;

@@ -349,6 +349,24 @@ pub fn devices() -> Vec<DeviceEntry> {
         available: true,
         default: false,
     });
+    entries.extend(graphics_devices());
+    entries
+}
+
+/// Graphics devices: the first one by the short name, then each by its number.
+fn graphics_devices() -> Vec<DeviceEntry> {
+    let entry = |id: &str, about: String, available| DeviceEntry { id: id.to_owned(), about, available, default: false };
+    let Some(adapters) = crate::gpu::adapters() else {
+        return vec![entry("gpu", "this build has no graphics devices (feature `gpu`)".to_owned(), false)];
+    };
+    let Some(first) = adapters.first() else {
+        return vec![entry("gpu", "no graphics adapter answered; see: souple doctor".to_owned(), false)];
+    };
+    let mut entries = vec![entry("gpu", format!("{}: the first of the adapters", first.name), first.refused.is_none())];
+    entries.extend(adapters.iter().map(|a| {
+        let about = format!("{} through {} ({}), {}, single precision", a.name, a.interface, a.driver, a.kind);
+        entry(&a.id, about, a.refused.is_none())
+    }));
     entries
 }
 

@@ -12,6 +12,7 @@ use std::time::Instant;
 #[command(after_help = "Examples:\n  souple derive --element hex8 --law stvk\n  \
     souple derive --element tet4 --law stvk --output force --show expressions\n  \
     souple derive --element tri3 --law hooke --show latex > tri3.tex\n  \
+    souple derive --element hex8 --law stvk --output tangent_apply --show wgsl\n  \
     souple derive --element tri3 --law neo-hookean --embedded 3")]
 pub(crate) struct Arguments {
     /// Id of the element (see: souple list elements)
@@ -26,7 +27,7 @@ pub(crate) struct Arguments {
     /// Number of space dimensions, more than the element's own: a cable (edges) or a membrane (faces)
     #[arg(long, value_name = "DIMENSIONS")]
     embedded: Option<usize>,
-    /// What to show with `--show expressions` and `--show program`: energy, force, tangent_apply, tangent_blocks,
+    /// What to show with `--show expressions`, `program`, `wgsl` and `cuda`: energy, force, tangent_apply, tangent_blocks,
     /// lumped_mass, shape_mass or setup
     #[arg(long, default_value = "force")]
     output: String,
@@ -54,6 +55,10 @@ enum Show {
     Program,
     /// A LaTeX document from displacements to forces
     Latex,
+    /// The output's program as graphics devices run it, in WGSL
+    Wgsl,
+    /// The output's program in CUDA C
+    Cuda,
 }
 
 /// The JSON: the report, how long deriving took, and the text that was asked for.
@@ -82,7 +87,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let derived = derive_report::derive(Association { element, law, rule, loops, dimension }, costs);
     let derive_ms = start.elapsed().as_secs_f64() * 1e3;
 
-    let shown = shown(&derived, arguments.show, output);
+    let shown = shown(&derived, arguments.show, output)?;
     let report = derive_report::report(&derived);
     if arguments.json {
         return say_json(&Answer { report, derive_ms, shown });
@@ -96,18 +101,45 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// Programs have names of their own beside the outputs; formulas are those of the outputs.
 fn known_output(name: &str, show: Show) -> Result<&'static str, Failure> {
     let mut known = OUTPUTS.to_vec();
-    if show == Show::Program {
+    if matches!(show, Show::Program | Show::Wgsl | Show::Cuda) {
         known.extend(PROGRAMS.iter().filter(|p| !OUTPUTS.contains(p)));
     }
     find_name("output", name, &known).map_err(input)
 }
 
 /// The text that `--show` asks for; none for the summary.
-fn shown(derived: &Derived, show: Show, output: &str) -> Option<String> {
-    match show {
+fn shown(derived: &Derived, show: Show, output: &str) -> Result<Option<String>, Failure> {
+    Ok(match show {
         Show::Summary => None,
         Show::Expressions => derive_report::expressions(derived, output),
         Show::Program => derive_report::program_text(derived, output),
         Show::Latex => Some(derive_report::latex(derived)),
-    }
+        Show::Wgsl => printed(derived, output, Language::Wgsl)?,
+        Show::Cuda => printed(derived, output, Language::Cuda)?,
+    })
+}
+
+/// Languages of devices.
+#[derive(Clone, Copy)]
+enum Language {
+    Wgsl,
+    Cuda,
+}
+
+#[cfg(feature = "gpu")]
+fn printed(derived: &Derived, output: &str, language: Language) -> Result<Option<String>, Failure> {
+    let language = match language {
+        Language::Wgsl => derive_report::Language::Wgsl,
+        Language::Cuda => derive_report::Language::Cuda,
+    };
+    derive_report::device_text(derived, output, language).map_err(input)
+}
+
+#[cfg(not(feature = "gpu"))]
+fn printed(_: &Derived, _: &str, language: Language) -> Result<Option<String>, Failure> {
+    let name = match language {
+        Language::Wgsl => "wgsl",
+        Language::Cuda => "cuda",
+    };
+    Err(input(format!("this build has no graphics devices and does not print {name}: build with the feature `gpu`")))
 }

@@ -5,8 +5,10 @@ use std::fmt::Write as _;
 
 /// Invocations of a workgroup of these kernels.
 pub(super) const WORKGROUP: usize = 256;
-/// Workgroups that a sum is split into, at most: one workgroup can add their parts.
-pub(super) const MOST_GROUPS: usize = 256;
+/// Workgroups that a sum is split into, at most: enough to fill a device, few enough for one workgroup to add their parts.
+pub(super) const MOST_GROUPS: usize = 1024;
+/// Unknowns that each invocation of a sum has at least, if there are enough: every workgroup costs whoever adds them.
+pub(super) const PER_INVOCATION: usize = 4;
 /// Sums that are kept apart.
 const SLOTS: usize = 6;
 /// Bytes of the parts of all sums.

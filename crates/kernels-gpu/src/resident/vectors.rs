@@ -1,6 +1,6 @@
 //! Memory and kernels of vectors: every slot's buffer, every kernel bound to them.
 
-use super::kernels::{CONTROL_WORDS, MOST_GROUPS, SUM_BYTES, Slot, Text, WORKGROUP};
+use super::kernels::{CONTROL_WORDS, MOST_GROUPS, PER_INVOCATION, SUM_BYTES, Slot, Text, WORKGROUP};
 use super::model::Model;
 use crate::device::{DeviceError, Gpu, Pipeline};
 
@@ -63,7 +63,7 @@ impl Memory {
         for slot in [Slot::U, Slot::ULow, Slot::V, Slot::A, Slot::R, Slot::P, Slot::Q, Slot::S] {
             slots.push((slot, gpu.buffer("a vector of unknowns", bytes, None)?));
         }
-        Ok(Memory { slots, len, groups: len.div_ceil(WORKGROUP).clamp(1, MOST_GROUPS) })
+        Ok(Memory { slots, len, groups: len.div_ceil(PER_INVOCATION * WORKGROUP).clamp(1, MOST_GROUPS) })
     }
 
     /// The buffer of a slot.

@@ -1,6 +1,6 @@
 //! Graphics devices: what there is, and simulations whose steps stay on one.
 //!
-//! [`present`] does the work; a build without the feature `gpu` has [`absent`] instead, which says so wherever a device
+//! A build without the feature `gpu` has a stand-in that says so wherever a device
 //! is asked for.
 
 #[cfg(not(feature = "gpu"))]
@@ -34,6 +34,7 @@ pub struct Transfers {
 }
 
 /// What a step on a device gave.
+#[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "a build without devices makes no steps on them"))]
 pub(crate) struct Stepped {
     /// Iterations of the linear solver.
     pub(crate) iterations: usize,
@@ -44,6 +45,7 @@ pub(crate) struct Stepped {
 }
 
 /// Why a step on a device failed.
+#[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "a build without devices makes no steps on them"))]
 pub(crate) enum StepError {
     /// The state is not acceptable; the device still has it.
     State,

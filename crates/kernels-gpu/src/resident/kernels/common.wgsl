@@ -1,14 +1,14 @@
 // What all kernels of vectors share: the numbers of a step, the record of a solve, sums in a fixed order.
 //
 // A sum over a vector: invocation i of GROUPS · 256 adds entries i, i + GROUPS · 256, …; a workgroup adds its
-// invocations as a binary tree and leaves one number in `sums`; whoever needs the sum adds these as a tree again.
+// invocations and leaves one number in `sums`; whoever needs the sum adds these in the same way.
 // Every partial sum is two numbers, the second what the first lost to rounding (O. Møller's and D. Knuth's sum).
 // The order is that of the indices, whatever the device: the same bits in every run.
 
 const WORKGROUP: u32 = 256u;
 
 // Places of `sums`: [slot][workgroup].
-const MOST_GROUPS: u32 = 256u;
+const MOST_GROUPS: u32 = 1024u;
 const RIGHT: u32 = 0u;
 const RESIDUAL: u32 = 1u;
 const PRODUCT: u32 = 2u;
@@ -92,18 +92,31 @@ fn add(a: vec2<f32>, b: vec2<f32>) -> vec2<f32> {
     return vec2<f32>(high, low - opaque(high - s.x));
 }
 
-var<workgroup> tree: array<vec2<f32>, 256>;
+var<workgroup> own_parts: array<vec2<f32>, 256>;
+var<workgroup> row_parts: array<vec2<f32>, 16>;
 
-// The sum over the workgroup, known to all of it.
-fn workgroup_sum(own: vec2<f32>, invocation: u32) -> f32 {
+// The sum over the workgroup, known to all of it: rows of 16, then the 16 of them. Few barriers, because a device that
+// runs a workgroup on few lanes pays for each.
+fn workgroup_parts(own: vec2<f32>, invocation: u32) -> vec2<f32> {
     workgroupBarrier();
-    tree[invocation] = own;
+    own_parts[invocation] = own;
     workgroupBarrier();
-    for (var width = 128u; width > 0u; width = width / 2u) {
-        if (invocation < width) {
-            tree[invocation] = add(tree[invocation], tree[invocation + width]);
+    if (invocation < 16u) {
+        var sum = own_parts[invocation * 16u];
+        for (var k = 1u; k < 16u; k++) {
+            sum = add(sum, own_parts[invocation * 16u + k]);
         }
-        workgroupBarrier();
+        row_parts[invocation] = sum;
     }
-    return tree[0].x + tree[0].y;
+    workgroupBarrier();
+    var total = row_parts[0];
+    for (var k = 1u; k < 16u; k++) {
+        total = add(total, row_parts[k]);
+    }
+    return total;
+}
+
+fn workgroup_sum(own: vec2<f32>, invocation: u32) -> f32 {
+    let parts = workgroup_parts(own, invocation);
+    return parts.x + parts.y;
 }
