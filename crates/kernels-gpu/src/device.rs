@@ -320,8 +320,8 @@ impl Gpu {
                 count: None,
             })
             .collect();
-        let layout = device
-            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries });
+        let layout =
+            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries });
         let whole = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(label),
             bind_group_layouts: &[Some(&layout)],
@@ -349,11 +349,8 @@ impl Gpu {
     /// refuses it.
     pub(crate) fn program(&self, program: &Program, layout: &Layout) -> Result<(Pipeline, Printed), DeviceError> {
         let print_as = |loops: Loops| print(program, &Layout { loops, ..layout.clone() }, &Wgsl, &[]);
-        let writable: Vec<bool> = layout
-            .bindings(program)
-            .iter()
-            .map(|b| matches!(b, crate::print::Binding::Output(_)))
-            .collect();
+        let writable: Vec<bool> =
+            layout.bindings(program).iter().map(|b| matches!(b, crate::print::Binding::Output(_))).collect();
         let compile = |printed: &Printed| self.compile(&program.name, &printed.source, Some("main"), &writable);
         let mut note = |note: String| {
             self.inner.notes.lock().unwrap_or_else(PoisonError::into_inner).push(note);
@@ -414,14 +411,11 @@ mod tests {
     #[test]
     fn what_is_refused_written_out_is_rolled() {
         let program = parse(LOOP).unwrap_or_else(|e| panic!("{e}"));
-        let layout = Layout {
-            lanes: 8,
-            workgroup: 64,
-            inputs: vec![crate::print::Access::Lanes],
-            loops: Loops::Unrolled,
-        };
+        let layout =
+            Layout { lanes: 8, workgroup: 64, inputs: vec![crate::print::Access::Lanes], loops: Loops::Unrolled };
         let print_as = |loops| print(&program, &Layout { loops, ..layout.clone() }, &Wgsl, &[]);
-        let refuse = || DeviceError::Compile { program: "twice".into(), message: "too long".into(), device: "d".into() };
+        let refuse =
+            || DeviceError::Compile { program: "twice".into(), message: "too long".into(), device: "d".into() };
         let only_loops = |p: &Printed| if p.source.contains("for (") { Ok(()) } else { Err(refuse()) };
         let mut notes = Vec::new();
         let (_, printed) =

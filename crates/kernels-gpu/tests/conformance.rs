@@ -1,5 +1,9 @@
 //! The suite of all backends, on the first adapter; functions of the printed language to the last digits.
-#![allow(clippy::disallowed_methods, reason = "a test that finds no adapter says so in a file and on standard output")]
+#![allow(
+    clippy::disallowed_methods,
+    clippy::disallowed_macros,
+    reason = "a test that finds no adapter says so in a file and on standard output"
+)]
 
 use souple_kernels_gpu::{Gpu, GpuBackend, OpenError};
 use std::sync::OnceLock;

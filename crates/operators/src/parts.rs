@@ -1,8 +1,8 @@
 //! What a device needs of the blocks to compute for itself: programs, values that the set-up carries, rest positions.
 
+use crate::BlockSpec;
 use crate::derive::Derived;
 use crate::elements::Elements;
-use crate::BlockSpec;
 use souple_laws::check::Inversion;
 
 /// A block as it is, for whoever computes its forces elsewhere.

@@ -355,7 +355,8 @@ pub fn devices() -> Vec<DeviceEntry> {
 
 /// Graphics devices: the first one by the short name, then each by its number.
 fn graphics_devices() -> Vec<DeviceEntry> {
-    let entry = |id: &str, about: String, available| DeviceEntry { id: id.to_owned(), about, available, default: false };
+    let entry =
+        |id: &str, about: String, available| DeviceEntry { id: id.to_owned(), about, available, default: false };
     let Some(adapters) = crate::gpu::adapters() else {
         return vec![entry("gpu", "this build has no graphics devices (feature `gpu`)".to_owned(), false)];
     };

@@ -55,6 +55,21 @@ fn views_differ() {
     assert_eq!(json["shown"].as_str().unwrap(), latex);
 }
 
+/// The program of a device is printed in two languages, with where it comes from and what it costs in its head.
+#[cfg(feature = "gpu")]
+#[test]
+fn programs_of_devices_are_shown() {
+    let place = Place::new("derive_devices");
+    let show = |what: &str| place.souple(&format!("derive --element hex8 --law stvk {what}")).ends_with(0).out;
+    let wgsl = show("--show wgsl --output tangent_apply");
+    assert!(wgsl.starts_with("// Derived from the element hex8 and the law stvk"), "{wgsl}");
+    assert!(wgsl.contains("operations per item") && wgsl.contains("@compute @workgroup_size(64)"), "{wgsl}");
+    let json = place.souple("derive --element hex8 --law stvk --json").ends_with(0).json();
+    let count = json["operations"]["tangent_apply"].as_u64().unwrap();
+    assert!(wgsl.contains(&format!(": {count} operations per item")), "{count}");
+    assert!(show("--show cuda").contains("__global__"));
+}
+
 /// A price that makes carrying dear leaves fewer values to carry; unrolled programs have no loop.
 #[test]
 fn costs_and_loops_are_options() {

@@ -51,3 +51,20 @@ fn scenes_are_found() {
     let error = place.souple("list scenes --folder nowhere").ends_with(2).err;
     assert!(error.contains("nowhere"), "{error}");
 }
+
+/// The doctor names the same graphics adapters as the list of devices, and says what to do where there is none.
+#[test]
+fn the_doctor_and_the_list_agree() {
+    let place = Place::new("doctor");
+    let report = place.souple("doctor --json").ends_with(0).json();
+    let adapters = report["adapters"].as_array().unwrap();
+    let devices = place.souple("list devices --json").ends_with(0).json();
+    let listed = devices.as_array().unwrap().iter().map(|d| d["id"].as_str().unwrap());
+    let numbered: Vec<&str> = listed.filter(|id| id.starts_with("gpu:")).collect();
+    assert_eq!(adapters.iter().map(|a| a["id"].as_str().unwrap()).collect::<Vec<_>>(), numbered);
+    let text = place.souple("doctor").ends_with(0).out;
+    assert!(adapters.iter().all(|a| text.contains(a["name"].as_str().unwrap()) && !a["notes"][0].is_null()), "{text}");
+    assert!(!report["advice"][0].as_str().unwrap().is_empty());
+    let error = place.souple("run nothing.toml --device gpu:nosuchcard").ends_with(2).err;
+    assert!(!error.is_empty());
+}

@@ -205,7 +205,8 @@ impl Walk<'_> {
                 return Ok(());
             }
             Op::Output { buffer, index, a } => {
-                let address = place(&format!("out{buffer}_0"), &self.program.outputs[buffer], index, self.layout.lanes, at);
+                let address =
+                    place(&format!("out{buffer}_0"), &self.program.outputs[buffer], index, self.layout.lanes, at);
                 let line = d.store(buffer, &address, &name(a));
                 self.line(&line);
                 return Ok(());

@@ -8,6 +8,7 @@ use crate::print::{Access, Binding};
 use souple_kernels::LANES as HOST_LANES;
 use souple_program::Program;
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::ops::Range;
 
 /// Some items of a batch, with what they keep on the device.
@@ -188,7 +189,7 @@ pub(super) fn bind<'b>(
                 programs.compiled.len() - 1
             }
         };
-        if !uniform_buffers.contains_key(&chunk.batch) {
+        if let Entry::Vacant(empty) = uniform_buffers.entry(chunk.batch) {
             let given: Vec<Vec<f32>> = program
                 .inputs
                 .iter()
@@ -199,8 +200,7 @@ pub(super) fn bind<'b>(
                 .collect();
             let values = uniforms(program, given.iter().map(Vec::as_slice));
             let content: &[u8] = bytemuck::cast_slice(&values);
-            let buffer = gpu.buffer("uniforms", content.len() as u64, Some(content))?;
-            uniform_buffers.insert(chunk.batch, buffer);
+            empty.insert(gpu.buffer("uniforms", content.len() as u64, Some(content))?);
         }
         let found = segments.map(|all| {
             let place = |s: &Segment| s.chunks.iter().find(|c| c.0 == number).map(|c| c.1);
@@ -217,7 +217,10 @@ pub(super) fn bind<'b>(
                     Binding::Input(k) => input(batch, chunk, vectors, &program.inputs[k].name).as_entire_binding(),
                     Binding::Output(k) => match found {
                         Some((segment, offset)) if k == 0 => {
-                            let bytes = 4 * chunk.items.len().div_ceil(LANES) * LANES * program.outputs[0].total(program.points);
+                            let bytes = 4
+                                * chunk.items.len().div_ceil(LANES)
+                                * LANES
+                                * program.outputs[0].total(program.points);
                             wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                                 buffer: &segment.contributions,
                                 offset,

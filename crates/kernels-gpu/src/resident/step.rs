@@ -259,7 +259,8 @@ impl Resident {
         let singles = |slot: Slot| -> Result<Vec<f32>, DeviceError> {
             Ok(bytemuck::pod_collect_to_vec(&self.gpu.download(self.memory.get(slot))?))
         };
-        let double = |values: Vec<f32>| -> Vec<f64> { values.into_iter().take(self.memory.len).map(f64::from).collect() };
+        let double =
+            |values: Vec<f32>| -> Vec<f64> { values.into_iter().take(self.memory.len).map(f64::from).collect() };
         let (high, low) = (double(singles(Slot::U)?), double(singles(Slot::ULow)?));
         let u = high.iter().zip(&low).map(|(h, l)| h + l).collect();
         Ok(State { u, v: double(singles(Slot::V)?), a: double(singles(Slot::A)?) })

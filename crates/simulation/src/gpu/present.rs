@@ -70,7 +70,8 @@ impl OnDevice {
         warnings.extend(refuse(scene, file, &system.elements, prepared.constraints.len())?);
         let gpu = open_gpu(name)?;
         let explicit = scene.integrator.method.value.is_explicit();
-        let needs = if explicit && scene.integrator.rayleigh.stiffness == 0.0 { Needs::Forces } else { Needs::Products };
+        let needs =
+            if explicit && scene.integrator.rayleigh.stiffness == 0.0 { Needs::Forces } else { Needs::Products };
         let d = system.dimension;
         let mut moved = BTreeSet::new();
         for motion in &system.motions {
@@ -103,10 +104,7 @@ impl OnDevice {
     /// Bytes since loading ended.
     pub(crate) fn transfers(&self) -> Transfers {
         let all = self.resident.gpu().transfers();
-        Transfers {
-            uploaded: all.uploaded - self.opened.uploaded,
-            downloaded: all.downloaded - self.opened.downloaded,
-        }
+        Transfers { uploaded: all.uploaded - self.opened.uploaded, downloaded: all.downloaded - self.opened.downloaded }
     }
 
     pub(crate) fn write(&mut self, state: &State) {

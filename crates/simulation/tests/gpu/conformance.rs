@@ -142,7 +142,10 @@ fn agree(which: usize, of: usize) {
                 .map(|b| {
                     let rows = items[0][&program.inputs[b].name].len();
                     let value = |row: usize, lane: usize| items[lane % 2][&program.inputs[b].name][row] as f32;
-                    (0..rows).flat_map(|row| (0..LANES).map(move |lane| (row, lane))).map(|(r, l)| value(r, l)).collect()
+                    (0..rows)
+                        .flat_map(|row| (0..LANES).map(move |lane| (row, lane)))
+                        .map(|(r, l)| value(r, l))
+                        .collect()
                 })
                 .collect();
             let given: Vec<Input<'_, f32>> = lanes.iter().map(|v| Input::Lanes(v)).collect();
@@ -218,7 +221,8 @@ fn the_second_language_is_printed() {
             let layout = Layout { lanes: 32, workgroup: 128, inputs, loops: Loops::Rolled };
             let printed = print(&program, &layout, &Cuda, &[format!("{} {}", element.id, law.id)]).unwrap();
             // Every value is defined once and every output written: as many of both as the program has.
-            let defined = printed.source.matches("const float v").count() + printed.source.matches("    float v").count();
+            let defined =
+                printed.source.matches("const float v").count() + printed.source.matches("    float v").count();
             let sections = program.sections.iter().flat_map(|s| s.statements());
             assert_eq!(defined, sections.clone().filter(|s| s.op.defines()).count(), "{}", program.name);
             text += &printed.source.replace(" run(", &format!(" run_{}(", program.name));
@@ -228,7 +232,8 @@ fn the_second_language_is_printed() {
             std::fs::create_dir_all(&folder).unwrap();
             let file = folder.join("programs.cu");
             std::fs::write(&file, &text).unwrap();
-            let out = std::process::Command::new("nvcc").arg("--ptx").arg(&file).arg("-o").arg(folder.join("o")).output();
+            let out =
+                std::process::Command::new("nvcc").arg("--ptx").arg(&file).arg("-o").arg(folder.join("o")).output();
             let out = out.unwrap();
             std::fs::remove_dir_all(&folder).unwrap();
             assert!(out.status.success(), "{}: {}", element.id, String::from_utf8_lossy(&out.stderr));

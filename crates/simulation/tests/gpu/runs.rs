@@ -89,8 +89,8 @@ fn tips_follow_those_of_the_processor() {
         &["integrator.method='symplectic-euler'", "time.step=1e-3", "time.end=0.05"],
         &[
             "body.0.material.0.law='neo-hookean'",
-            "body.0.move=[{ region = 'x_max', axes = ['x'], translation = [[0.0, [0, 0, 0]], [0.1, [0.2, 0, 0]]] }]",
-            "body.0.traction=[{ region = 'y_max', value = [0.0, 0.0, 200.0], factor = [[0.0, 0.0], [0.1, 1.0]] }]",
+            "body.0.move=[{ region = 'x_max', axes = ['x'], translation = { keys = [[0.0, [0, 0, 0]], [0.1, [0.2, 0, 0]]] } }]",
+            "body.0.traction=[{ region = 'y_max', traction = [0.0, 0.0, 200.0], factor = [[0.0, 0.0], [0.1, 1.0]] }]",
         ],
     ];
     for overrides in methods {
@@ -115,7 +115,11 @@ fn steps_move_few_bytes() {
         let _ = tip(&mut simulation);
         let read = simulation.transfers().unwrap().downloaded - after.downloaded;
         let _ = tip(&mut simulation);
-        assert_eq!(simulation.transfers().unwrap().downloaded - after.downloaded, read, "one reading per step is enough");
+        assert_eq!(
+            simulation.transfers().unwrap().downloaded - after.downloaded,
+            read,
+            "one reading per step is enough"
+        );
         assert!(read >= 8 * simulation.unknowns() as u64, "{read} bytes for the state");
         (after.uploaded - before.uploaded) + (after.downloaded - before.downloaded)
     };
@@ -194,7 +198,7 @@ fn a_failed_step_is_undone() {
     let overrides = [
         "body.0.material.0.law='neo-hookean'",
         "body.0.material.1.law='neo-hookean'",
-        "body.0.move=[{ region = 'x_max', translation = [[0.0, [0, 0, 0]], [0.02, [0, 0, 0]], [0.03, [-9.0, 0, 0]]] }]",
+        "body.0.move=[{ region = 'x_max', translation = { keys = [[0.0, [0, 0, 0]], [0.02, [0, 0, 0]], [0.03, [-9.0, 0, 0]]] } }]",
     ];
     let mut simulation = load(BAR, &overrides, "gpu").unwrap().0;
     simulation.advance().unwrap();

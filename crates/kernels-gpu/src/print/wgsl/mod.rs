@@ -26,7 +26,8 @@ impl Dialect for Wgsl {
                 Binding::Rows(_) => ("read", "u32"),
                 _ => ("read", "f32"),
             };
-            let _ = writeln!(out, "@group(0) @binding({number}) var<storage, {access}> {name}: array<{entry}>; // {what}");
+            let _ =
+                writeln!(out, "@group(0) @binding({number}) var<storage, {access}> {name}: array<{entry}>; // {what}");
         }
         let (lanes, workgroup) = (layout.lanes, layout.workgroup);
         let _ = write!(
