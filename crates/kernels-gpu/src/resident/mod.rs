@@ -12,7 +12,7 @@
 //! there, and the host sends as many iterations at once as the last solve took; those beyond the end do nothing.
 //! So it waits once per step, or a few times when a solve takes longer than the last.
 //!
-//! Displacements are kept in two numbers each, sums over vectors too: increments of a step are small against what they
+//! u is kept in two numbers per unknown, sums over vectors too: increments of a step are small against what they
 //! are added to. Everything else is single.
 //!
 //! What it is not: a choice of methods. One linearised stage per step; whoever wants more computes on the processor.

@@ -92,16 +92,25 @@ fn expected(program: &Program, given: &[Vec<f64>]) -> Vec<Vec<Bounded>> {
     spread
 }
 
+/// Elements up to here are compared with both programs of every law.
+const SMALL: usize = 8;
+
 /// The programs that implicit steps run; with one law after the other in turn also those that do not depend on it, or
 /// are contained in these: compiling texts is what takes the time.
 fn programs(derived: &Derived) -> Vec<Program> {
     let Association { element, law, .. } = derived.association;
     let carries = derived.staged.step_to_apply != (0, 0);
-    let mut names = vec![if carries { LINEARISE } else { "force" }, "tangent_apply"];
+    let both = [if carries { LINEARISE } else { "force" }, "tangent_apply"];
     let place = |found: Option<usize>| found.expect("it is in its registry");
     let laws = souple_laws::all();
-    let turn = place(souple_elements::all().iter().position(|e| e.id == element.id)) % laws.len();
-    let all = place(laws.iter().position(|l| l.id == law.id)) == turn;
+    let turn = place(souple_elements::all().iter().position(|e| e.id == element.id));
+    let number = place(laws.iter().position(|l| l.id == law.id));
+    let all = number == turn % laws.len();
+    // Large elements take forces with one law and products with the next: a law enters point by point.
+    let mut names = match element.node_count() <= SMALL || all {
+        true => both.to_vec(),
+        false => vec![both[(number + turn) % 2]],
+    };
     if all {
         names.push("volume_ratio");
         names.extend(carries.then_some("force"));
