@@ -34,7 +34,6 @@ pub struct Transfers {
 }
 
 /// What a step on a device gave.
-#[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "a build without devices makes no steps on them"))]
 pub(crate) struct Stepped {
     /// Iterations of the linear solver.
     pub(crate) iterations: usize,
