@@ -61,7 +61,7 @@ impl Simulation {
     /// Positions of all nodes in m, [node][axis]; axes that the scene does not have stay at rest.
     pub fn positions(&self) -> Vec<[f64; 3]> {
         let d = self.system.dimension;
-        let moved = self.prepared.nodes.iter().zip(self.state.u.chunks(d));
+        let moved = self.prepared.nodes.iter().zip(self.present().u.chunks(d));
         moved.map(|(rest, u)| std::array::from_fn(|k| rest[k] + u.get(k).copied().unwrap_or(0.0))).collect()
     }
 
@@ -70,6 +70,7 @@ impl Simulation {
     /// # Errors
     /// When the device refuses the program that computes it.
     pub fn element_field(&mut self, field: ElementField) -> Result<Vec<f64>, RunError> {
+        self.fetch();
         let mut values = vec![0.0; self.element_count()];
         let average = match field {
             ElementField::VonMises => Some(Average::Stress),
@@ -107,11 +108,13 @@ impl Simulation {
 
     /// Strain energy of all elements in J.
     pub fn strain_energy(&mut self) -> f64 {
+        self.fetch();
         self.system.elements.energy(&self.state.u)
     }
 
     /// Elements that are inside out somewhere, by number, worst first.
     pub fn inverted_elements(&mut self) -> Vec<u32> {
+        self.fetch();
         self.system.elements.crushed(&self.state.u, 0.0).into_iter().map(|(id, _)| id).collect()
     }
 

@@ -279,7 +279,7 @@ impl Simulation {
             endless: false,
             shape_mass: masses.shape,
             origin: (0, 0.0),
-            device_name: options.device.clone(),
+            device_name: if adapter.is_some() { "cpu".into() } else { options.device.clone() },
             prepared_means,
             device: match &on_device {
                 Some(remote) => remote.device.description(),

@@ -69,6 +69,10 @@ impl Simulation {
     /// What is out of range or cannot be here, and what was expected.
     pub fn set_controls(&mut self, controls: &Controls) -> Result<(), ControlError> {
         self.check_controls(controls)?;
+        if self.on_device.is_some() && *controls != self.controls {
+            let message = "a simulation on a graphics device cannot be touched or changed; use --device cpu";
+            return Err(ControlError(message.into()));
+        }
         if controls.step != self.controls.step || controls.velocity_damping != self.controls.velocity_damping {
             self.set_pace(controls)?;
         }
@@ -224,7 +228,7 @@ impl Simulation {
             for &(node, share) in masters {
                 let w = weight * share;
                 let stiffness = stiffness.map(|row| row.map(|x| w * x));
-                let u = |k: usize| if k < d { self.state.u[node as usize * d + k] } else { 0.0 };
+                let u = |k: usize| if k < d { self.present().u[node as usize * d + k] } else { 0.0 };
                 let at_zero =
                     std::array::from_fn(|r| w * force[r] + (0..d).map(|c| stiffness[r][c] * u(c)).sum::<f64>());
                 forces.push(NodalForce { node, at_zero, stiffness });
@@ -236,7 +240,7 @@ impl Simulation {
     fn position(&self, node: u32) -> [f64; 3] {
         let d = self.system.dimension;
         let rest = self.prepared.nodes[node as usize];
-        std::array::from_fn(|k| rest[k] + if k < d { self.state.u[node as usize * d + k] } else { 0.0 })
+        std::array::from_fn(|k| rest[k] + if k < d { self.present().u[node as usize * d + k] } else { 0.0 })
     }
 
     fn anchored(&self, anchor: &[(u32, f64)]) -> [f64; 3] {
@@ -252,7 +256,7 @@ impl Simulation {
         let d = self.system.dimension;
         let mut mean = [0.0; 3];
         for &(node, weight) in nodes {
-            (0..d).for_each(|k| mean[k] += weight * self.state.v[node as usize * d + k]);
+            (0..d).for_each(|k| mean[k] += weight * self.present().v[node as usize * d + k]);
         }
         mean
     }
