@@ -1,6 +1,7 @@
 //! The commands, one module each: `Arguments` and `run`.
 
 pub(crate) mod bench;
+pub(crate) mod campaign;
 pub(crate) mod check;
 pub(crate) mod check_law;
 pub(crate) mod derive;

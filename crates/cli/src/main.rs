@@ -44,6 +44,8 @@ enum Command {
     View(commands::view::Arguments),
     /// Say what graphics devices this machine has, what they lack and what to do about it
     Doctor(commands::doctor::Arguments),
+    /// Run groups of simulations and keep their results in a database
+    Campaign(commands::campaign::Arguments),
     /// Measure what kernels, operators, steps and loading cost on this machine
     Bench(commands::bench::Arguments),
 }
@@ -58,6 +60,7 @@ fn main() -> ExitCode {
         Command::Run(arguments) => commands::run::run(&arguments),
         Command::View(arguments) => commands::view::run(&arguments),
         Command::Doctor(arguments) => commands::doctor::run(&arguments),
+        Command::Campaign(arguments) => commands::campaign::run(&arguments),
         Command::Bench(arguments) => commands::bench::run(&arguments),
     };
     match result {

@@ -63,6 +63,12 @@ pub(crate) struct Arguments {
     /// Go on from OUT/checkpoint.bin
     #[arg(long)]
     resume: bool,
+    /// Add to the summary how long the parts of steps took, in ms altogether
+    #[arg(long)]
+    phases: bool,
+    /// Stop as on Ctrl-C when standard input closes, as it does when the program that started this one is gone
+    #[arg(long)]
+    stop_at_eof: bool,
     /// Say first what each kind of elements costs and how systems are solved
     #[arg(long)]
     explain: bool,
@@ -81,6 +87,7 @@ enum End {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let stop = stop_signal(arguments);
     let file = arguments.scene.display().to_string();
     let text = files::read_text(&arguments.scene)?;
     let options = RunOptions { device: arguments.device.clone(), threads: arguments.threads };
@@ -108,8 +115,25 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     } else {
         folder.frame(&mut simulation)?;
     }
-    let end = steps(arguments, &mut simulation, &mut folder)?;
+    if arguments.phases {
+        simulation.watch();
+    }
+    let end = steps(arguments, &mut simulation, &mut folder, &stop)?;
     finish(arguments, &mut simulation, &folder, end)
+}
+
+/// What stops the steps: set at the end of standard input, where that is asked for.
+fn stop_signal(arguments: &Arguments) -> Arc<AtomicBool> {
+    let stop = Arc::new(AtomicBool::new(false));
+    if arguments.stop_at_eof {
+        let closed = stop.clone();
+        std::thread::spawn(move || {
+            // A standard input that cannot be read is one that nobody holds any more.
+            let _ = std::io::copy(&mut std::io::stdin(), &mut std::io::sink());
+            closed.store(true, Ordering::Relaxed);
+        });
+    }
+    stop
 }
 
 /// `out/bar` for `scenes/bar.toml`.
@@ -119,11 +143,14 @@ fn default_folder(scene: &Path) -> PathBuf {
 }
 
 /// Steps until the end, a failure or an interruption; frames and checkpoints on the way.
-fn steps(arguments: &Arguments, simulation: &mut Simulation, folder: &mut Folder) -> Result<End, Failure> {
-    let stop = Arc::new(AtomicBool::new(false));
+fn steps(
+    arguments: &Arguments,
+    simulation: &mut Simulation,
+    folder: &mut Folder,
+    stop: &Arc<AtomicBool>,
+) -> Result<End, Failure> {
     let asked = stop.clone();
     ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed)).context("cannot listen for Ctrl-C")?;
-
     let mut watch = Watch::start(simulation.end_time(), simulation.time(), arguments.quiet || arguments.json);
     let mut next_checkpoint = arguments.checkpoint_every.map(|s| simulation.time() + s);
     let end = loop {
@@ -175,6 +202,14 @@ fn finish(arguments: &Arguments, simulation: &mut Simulation, folder: &Folder, e
     let results = if arguments.check && matches!(end, End::Reached) { simulation.expectations() } else { Vec::new() };
     if arguments.check {
         json["expectations"] = serde_json::to_value(&results).context("cannot write the expectations as JSON")?;
+    }
+    if let Some(phases) = simulation.phases() {
+        json["phases_ms"] = serde_json::json!({
+            "force": phases.force,
+            "linearise": phases.linearise,
+            "product": phases.product,
+            "rest_of_solve": phases.rest_of_solve,
+        });
     }
     folder.summary(&json)?;
     if arguments.json {

@@ -67,7 +67,7 @@ const FENCES: &[(&[&str], &[&str], &str)] = &[
         "results of many runs live there",
     ),
     (&["pyo3", "numpy"], &["souple-python"], "the bindings are the only crate that knows Python"),
-    (&["clap"], &["souple-cli", "souple-viewer"], "only programs have arguments"),
+    (&["clap"], &["souple-cli", "souple-viewer", "souple-campaign"], "only programs have arguments"),
     (&["indicatif", "anyhow"], &["souple-cli"], "libraries have typed errors and print nothing"),
 ];
 

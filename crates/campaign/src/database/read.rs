@@ -1,0 +1,134 @@
+//! Reading: the groups, and one group as a table.
+
+use super::{Database, DatabaseError};
+use rusqlite::{OptionalExtension as _, Row};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A group in a list.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct GroupRow {
+    /// Its id.
+    pub id: i64,
+    /// Its name.
+    pub name: String,
+    /// Where it was described.
+    pub folder: String,
+    /// Its simulations.
+    pub members: usize,
+    /// Those that are done, however they ended.
+    pub done: usize,
+    /// Those that came to their end.
+    pub succeeded: usize,
+}
+
+/// A group as a table: one row per member, in their order.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Table {
+    /// Names of the columns.
+    pub heads: Vec<String>,
+    /// Cells, as many as heads.
+    pub rows: Vec<Vec<String>>,
+}
+
+const GROUPS: &str = "SELECT g.id, g.name, g.folder, COUNT(*), COUNT(s.id),
+    COUNT(CASE WHEN s.status IN ('finished', 'at rest') THEN 1 END)
+    FROM groups g JOIN members m ON m.group_id = g.id LEFT JOIN simulations s ON s.hash = m.hash";
+
+fn group_row(row: &Row<'_>) -> Result<GroupRow, rusqlite::Error> {
+    Ok(GroupRow {
+        id: row.get(0)?,
+        name: row.get(1)?,
+        folder: row.get(2)?,
+        members: row.get(3)?,
+        done: row.get(4)?,
+        succeeded: row.get(5)?,
+    })
+}
+
+/// All groups, the oldest first.
+///
+/// # Errors
+///
+/// When the database cannot be read.
+pub fn groups(database: &Database) -> Result<Vec<GroupRow>, DatabaseError> {
+    let read = || -> Result<Vec<GroupRow>, rusqlite::Error> {
+        let mut query = database.connection.prepare(&format!("{GROUPS} GROUP BY g.id ORDER BY g.id"))?;
+        query.query_map([], group_row)?.collect()
+    };
+    read().map_err(|e| database.failed(e))
+}
+
+/// The last group of this name, as it was described last; without a name the last of all.
+///
+/// # Errors
+///
+/// When the database cannot be read.
+pub fn latest_group(database: &Database, name: Option<&str>) -> Result<Option<GroupRow>, DatabaseError> {
+    let sql = format!("{GROUPS} WHERE ?1 IS NULL OR g.name = ?1 GROUP BY g.id ORDER BY g.id DESC LIMIT 1");
+    database.connection.query_row(&sql, [name], group_row).optional().map_err(|e| database.failed(e))
+}
+
+/// One group: parameters, status, times, and every single number that was measured.
+///
+/// # Errors
+///
+/// When the database cannot be read.
+pub fn table(database: &Database, group: i64) -> Result<Table, DatabaseError> {
+    read_table(database, group).map_err(|e| database.failed(e))
+}
+
+fn read_table(database: &Database, group: i64) -> Result<Table, rusqlite::Error> {
+    let connection = &database.connection;
+    let parameters: Vec<(i64, String)> = connection
+        .prepare("SELECT id, name FROM parameters WHERE group_id = ?1 ORDER BY position")?
+        .query_map([group], |row| Ok((row.get(0)?, row.get(1)?)))?
+        .collect::<Result<_, _>>()?;
+    let mut values: BTreeMap<(i64, i64), String> = BTreeMap::new();
+    let mut query = connection.prepare("SELECT number, parameter_id, value FROM member_values WHERE group_id = ?1")?;
+    let mut found = query.query([group])?;
+    while let Some(row) = found.next()? {
+        values.insert((row.get(0)?, row.get(1)?), row.get(2)?);
+    }
+    let mut measured: BTreeMap<(i64, String), f64> = BTreeMap::new();
+    let mut quantities: BTreeSet<String> = BTreeSet::new();
+    let mut query = connection.prepare(
+        "SELECT m.number, v.probe, v.quantity, v.component, v.value FROM members m
+         JOIN simulations s ON s.hash = m.hash JOIN measurements v ON v.simulation_id = s.id WHERE m.group_id = ?1
+         UNION ALL SELECT m.number, 'ms per step', t.phase, '', t.ms_per_step FROM members m
+         JOIN simulations s ON s.hash = m.hash JOIN timings t ON t.simulation_id = s.id WHERE m.group_id = ?1",
+    )?;
+    let mut found = query.query([group])?;
+    while let Some(row) = found.next()? {
+        let parts: [String; 3] = [row.get(1)?, row.get(2)?, row.get(3)?];
+        let name = parts.join(" ").trim_end().to_owned();
+        quantities.insert(name.clone());
+        measured.insert((row.get(0)?, name), row.get(4)?);
+    }
+    let mut heads: Vec<String> = ["number", "bar", "device"].map(String::from).to_vec();
+    heads.extend(parameters.iter().map(|(_, name)| name.clone()));
+    heads.extend(["status", "steps", "simulated s", "nodes", "elements", "wall s"].map(String::from));
+    heads.extend(quantities.iter().cloned());
+    heads.push("reason".to_owned());
+    let mut query = connection.prepare(
+        "SELECT m.number, b.name, m.device, s.status, s.steps, s.simulated_s, s.nodes,
+         (SELECT SUM(count) FROM element_counts e WHERE e.simulation_id = s.id), s.wall_s, s.reason
+         FROM members m LEFT JOIN bars b ON b.id = m.bar_id LEFT JOIN simulations s ON s.hash = m.hash
+         WHERE m.group_id = ?1 ORDER BY m.number",
+    )?;
+    let mut found = query.query([group])?;
+    let mut rows = Vec::new();
+    while let Some(row) = found.next()? {
+        let number: i64 = row.get(0)?;
+        let whole = |at: usize| Ok::<_, rusqlite::Error>(row.get::<_, Option<i64>>(at)?.map(|x| x.to_string()));
+        let real = |at: usize| Ok::<_, rusqlite::Error>(row.get::<_, Option<f64>>(at)?.map(|x| format!("{x:?}")));
+        let text = |at: usize| row.get::<_, Option<String>>(at);
+        let mut cells = vec![Some(number.to_string()), text(1)?, text(2)?];
+        cells.extend(parameters.iter().map(|(id, _)| values.get(&(number, *id)).cloned()));
+        cells.push(Some(text(3)?.unwrap_or_else(|| "to do".to_owned())));
+        cells.extend([whole(4)?, real(5)?, whole(6)?, whole(7)?, real(8)?]);
+        cells.extend(quantities.iter().map(|name| measured.get(&(number, name.clone())).map(|x| format!("{x:?}"))));
+        cells.push(text(9)?);
+        rows.push(cells.into_iter().map(Option::unwrap_or_default).collect());
+    }
+    Ok(Table { heads, rows })
+}

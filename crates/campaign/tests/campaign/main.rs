@@ -1,0 +1,7 @@
+//! Campaigns as a person meets them.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps says with its line number what it expected")]
+
+mod description;
+mod example;
+mod running;
