@@ -7,6 +7,8 @@
 mod conformance;
 #[path = "gpu/runs.rs"]
 mod runs;
+#[path = "gpu/trajectory.rs"]
+mod trajectory;
 
 use souple_kernels_gpu::Gpu;
 use std::sync::OnceLock;

@@ -43,14 +43,14 @@ region = "x_max"
 quantity = ["mean displacement", "kinetic energy"]
 "#;
 
-fn load(text: &str, overrides: &[&str], device: &str) -> Result<(Simulation, Vec<String>), String> {
+pub(crate) fn load(text: &str, overrides: &[&str], device: &str) -> Result<(Simulation, Vec<String>), String> {
     let overrides: Vec<String> = overrides.iter().map(|s| (*s).to_owned()).collect();
     let mut read = |name: &str| Err(format!("{name}: there are no files here"));
     let options = RunOptions { device: device.into(), threads: 1 };
     Simulation::load(text, "scene.toml", &overrides, &mut read, &options).map_err(|e| e.to_string())
 }
 
-fn tip(simulation: &mut Simulation) -> [f64; 3] {
+pub(crate) fn tip(simulation: &mut Simulation) -> [f64; 3] {
     match simulation.probes()["tip"]["mean displacement"] {
         ProbeValue::Vector(v) => v,
         _ => panic!("a mean displacement is a vector"),
