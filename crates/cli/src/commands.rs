@@ -9,4 +9,5 @@ pub(crate) mod doctor;
 pub(crate) mod list;
 pub(crate) mod mesh;
 pub(crate) mod run;
+pub(crate) mod serve;
 pub(crate) mod view;

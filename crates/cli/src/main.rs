@@ -42,6 +42,8 @@ enum Command {
     Run(commands::run::Arguments),
     /// See a scene in a window and touch it, or draw a picture of it
     View(commands::view::Arguments),
+    /// Simulate here, see and touch it in browsers
+    Serve(commands::serve::Arguments),
     /// Say what graphics devices this machine has, what they lack and what to do about it
     Doctor(commands::doctor::Arguments),
     /// Run groups of simulations and keep their results in a database
@@ -59,6 +61,7 @@ fn main() -> ExitCode {
         Command::CheckLaw(arguments) => commands::check_law::run(&arguments),
         Command::Run(arguments) => commands::run::run(&arguments),
         Command::View(arguments) => commands::view::run(&arguments),
+        Command::Serve(arguments) => commands::serve::run(&arguments),
         Command::Doctor(arguments) => commands::doctor::run(&arguments),
         Command::Campaign(arguments) => commands::campaign::run(&arguments),
         Command::Bench(arguments) => commands::bench::run(&arguments),

@@ -401,6 +401,11 @@ impl Simulation {
         self.system.phases.as_ref().map(|phases| phases.take())
     }
 
+    /// Mass of all bodies in kg.
+    pub fn mass(&self) -> f64 {
+        self.shape_mass.iter().sum()
+    }
+
     /// Number of unknowns.
     pub fn unknowns(&self) -> usize {
         self.state.u.len()

@@ -52,7 +52,8 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("souple-bench", &["*"]),
     ("souple-campaign", &["souple-simulation"]),
     ("souple-viewer", &["souple-simulation", "souple-campaign"]),
-    ("souple-cli", &["souple-simulation", "souple-bench", "souple-campaign", "souple-viewer"]),
+    ("souple-serve", &["souple-simulation"]),
+    ("souple-cli", &["souple-simulation", "souple-bench", "souple-campaign", "souple-viewer", "souple-serve"]),
     ("souple-python", &["souple-simulation", "souple-campaign"]),
     ("xtask", &[]),
 ];
@@ -67,7 +68,12 @@ const FENCES: &[(&[&str], &[&str], &str)] = &[
         "results of many runs live there",
     ),
     (&["pyo3", "numpy"], &["souple-python"], "the bindings are the only crate that knows Python"),
-    (&["clap"], &["souple-cli", "souple-viewer", "souple-campaign"], "only programs have arguments"),
+    (
+        &["axum", "hyper", "tokio", "tower", "tungstenite", "tiny_http", "futures"],
+        &["souple-serve"],
+        "the network is for the server, and most of what it costs to build",
+    ),
+    (&["clap"], &["souple-cli", "souple-viewer", "souple-campaign", "souple-serve"], "only programs have arguments"),
     (&["indicatif", "anyhow"], &["souple-cli"], "libraries have typed errors and print nothing"),
 ];
 

@@ -1,0 +1,155 @@
+//! The page in a real browser: it draws the body in the colours of its elements, moves with it, pulls it, complains of
+//! nothing, and asks nobody but its server.
+//!
+//! Without a Chromium these tests pass and say that they were skipped. `SOUPLE_BLESS=1` renews the picture of the
+//! documentation.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps says with its line number what it expected")]
+
+mod chromium;
+mod client;
+
+use chromium::{Browser, Picture, pixels, program};
+use souple_serve::colours::{Colour, family};
+use souple_simulation::elements::Family;
+use std::path::Path;
+
+/// The browser, or a note that there is none.
+fn browser(test: &str, size: [u32; 2]) -> Option<Browser> {
+    let Some(program) = program() else {
+        println!("skipped: no Chromium");
+        if let Some(notes) = std::env::var_os("SOUPLE_SKIPPED") {
+            std::fs::write(Path::new(&notes).join(format!("serve-{test}")), "no Chromium").unwrap();
+        }
+        return None;
+    };
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("chromium-{test}-{}", std::process::id()));
+    Some(Browser::start(&program, folder, size))
+}
+
+/// Whether a pixel is a colour under some light.
+fn is(pixel: [u8; 3], colour: Colour) -> bool {
+    let (p, c) = (pixel.map(f64::from), colour.map(f64::from));
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let light = dot(p, c) / dot(c, c);
+    let left: f64 = (0..3).map(|k| (p[k] - light * c[k]).powi(2)).sum();
+    (0.3..1.1).contains(&light) && left.sqrt() < 12.0
+}
+
+/// Places of the pixels of a family, left of the panel.
+fn places(picture: &Picture, width: usize, of: Family) -> Vec<[f64; 2]> {
+    let at = |k: usize| [k % picture.width, k / picture.width];
+    let found = (0..picture.pixels.len()).filter(|&k| at(k)[0] < width && is(picture.pixels[k], family(of)));
+    found.map(|k| at(k).map(|x| x as f64)).collect()
+}
+
+/// Keeps a picture where a person can look at it.
+fn keep(name: &str, file: &[u8]) {
+    std::fs::write(Path::new(env!("CARGO_TARGET_TMPDIR")).join(name), file).unwrap();
+}
+
+/// The body is drawn in the colours of its four kinds of elements; it moves when time passes and when it is pulled; the
+/// console has no error, and nothing is asked of anybody but the server.
+#[test]
+fn the_page_shows_and_touches_the_body() {
+    let Some(mut browser) = browser("page", [1280, 800]) else { return };
+    let server = client::scene("../../scenes/mixed_bar.toml");
+    let address = format!("http://{}/", server.address());
+    browser.go(&address);
+    browser.wait_for("document.body.dataset.step === '0'");
+    let file = browser.screenshot();
+    keep("serve-rest.png", &file);
+    let rest = pixels(&file);
+    assert_eq!((rest.width, rest.height), (1280, 800));
+    let kinds = [Family::Hexahedron, Family::Prism, Family::Pyramid, Family::Tetrahedron];
+    for kind in kinds {
+        // The legend's patches have some two hundred.
+        let count = places(&rest, 960, kind).len();
+        assert!(count > 1500, "{kind:?}: {count} pixels");
+    }
+
+    browser.value("document.getElementById('play').click()");
+    browser.wait_for("Number(document.body.dataset.step) >= 8");
+    browser.value("document.getElementById('play').click()");
+    browser.wait_for("document.getElementById('play').textContent === 'Play'");
+    let file = browser.screenshot();
+    keep("serve-bent.png", &file);
+    let bent = pixels(&file);
+    let moved = (0..800 * 960).filter(|k| {
+        let at = (k / 960) * 1280 + k % 960;
+        rest.pixels[at] != bent.pixels[at]
+    });
+    let moved = moved.count();
+    assert!(moved > 3000, "{moved} pixels");
+
+    // The tip is of tetrahedra: a point in the midst of them is taken, and dragged upwards while time passes.
+    let tip = places(&bent, 960, Family::Tetrahedron);
+    let mean: [f64; 2] = std::array::from_fn(|k| tip.iter().map(|p| p[k]).sum::<f64>() / tip.len() as f64);
+    let distance = |p: &[f64; 2]| (p[0] - mean[0]).hypot(p[1] - mean[1]);
+    let start = *tip.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap();
+    browser.mouse("mousePressed", start);
+    for share in 1..=4 {
+        browser.mouse("mouseMoved", [start[0], start[1] - 40.0 * f64::from(share)]);
+    }
+    browser.wait_for("document.getElementById('pull').textContent.endsWith('N')");
+    browser.value("document.getElementById('play').click()");
+    browser.wait_for("Number(document.body.dataset.step) >= 22 && !document.getElementById('force').hidden");
+    browser.value("document.getElementById('play').click()");
+    browser.wait_for("document.getElementById('play').textContent === 'Play'");
+    let file = browser.screenshot();
+    keep("serve-pulled.png", &file);
+    if std::env::var_os("SOUPLE_BLESS").is_some() {
+        std::fs::write(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/pictures/serve.png"), &file).unwrap();
+    }
+    browser.mouse("mouseReleased", [start[0], start[1] - 160.0]);
+    browser.wait_for("document.getElementById('pull').textContent === '–'");
+
+    let (complaints, requests) = browser.complaints_and_requests();
+    assert!(complaints.is_empty(), "{complaints:#?}");
+    let own = format!("{}/", server.address());
+    let foreign: Vec<&String> = requests
+        .iter()
+        .filter(|url| {
+            let ours = [format!("http://{own}"), format!("ws://{own}")];
+            !ours.iter().any(|start| url.starts_with(start)) && !url.starts_with("data:") && *url != "about:blank"
+        })
+        .collect();
+    assert!(foreign.is_empty() && requests.len() > 8, "{requests:#?}");
+}
+
+/// On a narrow screen nothing is wider than the screen; numbers get a legend with their unit, a cut shows the inside; when
+/// the server ends the page says so, and goes on when another one takes its place.
+#[test]
+fn the_page_fits_and_comes_back() {
+    let Some(mut browser) = browser("narrow", [400, 800]) else { return };
+    let server = client::scene("../../scenes/mixed_bar.toml");
+    let port = server.address().port();
+    browser.go(&format!("http://{}/", server.address()));
+    browser.wait_for("document.body.dataset.step === '0'");
+    let wide = browser.value("document.documentElement.scrollWidth");
+    assert!(wide.as_u64().unwrap() <= 400, "{wide}");
+    browser.value(
+        "document.getElementById('colour').value = 'von-mises'; \
+         document.getElementById('colour').onchange(); document.getElementById('step').click()",
+    );
+    browser.wait_for("document.querySelector('#legend .ends').textContent.includes('Pa')");
+    keep("serve-narrow.png", &browser.screenshot());
+    let whole = pixels(&browser.screenshot());
+    browser.value(
+        "document.getElementById('axis').value = 'z'; document.getElementById('axis').oninput(); \
+         document.getElementById('colour').value = 'element'; document.getElementById('colour').onchange()",
+    );
+    browser.wait_for("document.getElementById('legend').textContent.includes('hex8')");
+    let file = browser.screenshot();
+    keep("serve-cut.png", &file);
+    assert!(pixels(&file).pixels != whole.pixels);
+
+    server.stop();
+    browser.wait_for("document.querySelector('main').classList.contains('lost')");
+    drop(server);
+    let again = client::scene_at("../../scenes/mixed_bar.toml", port);
+    browser.wait_for("!document.querySelector('main').classList.contains('lost')");
+    browser.value("document.getElementById('step').click()");
+    browser.wait_for("document.body.dataset.step === '1'");
+    drop(again);
+}
