@@ -1,4 +1,4 @@
-//! What figures were measured on, without a date.
+//! What figures were measured on, and the day.
 
 use crate::vectors::Vectors;
 use serde::Serialize;
@@ -29,6 +29,32 @@ pub fn machine() -> Machine {
     }
 }
 
+/// The day by the system's clock, UTC: `2026-11-22`.
+pub fn today() -> String {
+    let since = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+    let [year, month, day] = date(since.map_or(0, |d| d.as_secs() / 86_400));
+    format!("{year:04}-{month:02}-{day:02}")
+}
+
+/// Year, month and day so many days after the first of January 1970, in the Gregorian calendar.
+fn date(mut days: u64) -> [u64; 3] {
+    let leap = |year: u64| year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400));
+    let mut year = 1970;
+    while days >= 365 + u64::from(leap(year)) {
+        days -= 365 + u64::from(leap(year));
+        year += 1;
+    }
+    let mut month = 1;
+    for length in [31, 28 + u64::from(leap(year)), 31, 30, 31, 30, 31, 31, 30, 31, 30] {
+        if days < length {
+            break;
+        }
+        days -= length;
+        month += 1;
+    }
+    [year, month, days + 1]
+}
+
 /// The first model that the table of processors names.
 fn model(information: &str) -> Option<String> {
     let line = information.lines().find(|line| line.starts_with("model name"))?;
@@ -37,7 +63,17 @@ fn model(information: &str) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::model;
+    use super::{date, model};
+
+    /// Days are counted through leap years, those of centuries too.
+    #[test]
+    fn days_have_dates() {
+        assert_eq!(date(0), [1970, 1, 1]);
+        assert_eq!(date(59), [1970, 3, 1]);
+        assert_eq!(date(11_016), [2000, 2, 29]);
+        assert_eq!(date(11_322), [2000, 12, 31]);
+        assert_eq!(date(20_779), [2026, 11, 22]);
+    }
 
     /// The model is read from the first processor's entry.
     #[test]

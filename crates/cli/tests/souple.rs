@@ -12,6 +12,9 @@ mod bench;
 mod command;
 #[path = "souple/derive.rs"]
 mod derive;
+#[cfg(feature = "gpu")]
+#[path = "souple/graphics.rs"]
+mod graphics;
 #[path = "souple/list.rs"]
 mod list;
 #[path = "souple/mesh.rs"]

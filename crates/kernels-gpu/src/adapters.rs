@@ -33,7 +33,7 @@ pub struct Description {
     pub kind: String,
     /// What bounds programs on it.
     pub limits: Limits,
-    /// Whether it has double precision, and a cache of compiled pipelines that can be kept on disk.
+    /// What it has beyond what is needed.
     pub features: Features,
 }
 
@@ -59,6 +59,8 @@ pub struct Features {
     pub doubles: bool,
     /// Compiled pipelines can be kept on disk.
     pub pipeline_cache: bool,
+    /// It tells when work began and ended, by its own clock.
+    pub timestamps: bool,
 }
 
 /// Bindings that the vector kernels and the programs of steps need at least.
@@ -139,17 +141,24 @@ fn describe(adapter: &wgpu::Adapter) -> Description {
         driver_version: info.driver_info,
         interface: info.backend.to_str().to_owned(),
         kind: kind.to_owned(),
-        limits: Limits {
+        limits: Limits::of(&limits),
+        features: Features {
+            doubles: features.contains(wgpu::Features::SHADER_F64),
+            pipeline_cache: features.contains(wgpu::Features::PIPELINE_CACHE),
+            timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
+        },
+    }
+}
+
+impl Limits {
+    pub(crate) fn of(limits: &wgpu::Limits) -> Limits {
+        Limits {
             buffer_bytes: limits.max_buffer_size,
             binding_bytes: limits.max_storage_buffer_binding_size,
             bindings: limits.max_storage_buffers_per_shader_stage,
             workgroups: limits.max_compute_workgroups_per_dimension,
             invocations: limits.max_compute_invocations_per_workgroup,
-        },
-        features: Features {
-            doubles: features.contains(wgpu::Features::SHADER_F64),
-            pipeline_cache: features.contains(wgpu::Features::PIPELINE_CACHE),
-        },
+        }
     }
 }
 
@@ -185,11 +194,18 @@ impl Description {
             "Programs run in single precision{}: sums over many values are kept in two numbers each.",
             if self.features.doubles { ", although the device has double precision too" } else { "" }
         )];
+        lines.push(
+            "A program that its compiler refuses written out runs with its loops as loops instead, and the run says so."
+                .into(),
+        );
         if self.kind == "processor" {
             lines.push("This driver runs on the processor: good for tests, slower than the device `cpu`.".into());
         }
         if !self.features.pipeline_cache {
-            lines.push("Compiled pipelines cannot be kept on disk: each start compiles them again.".into());
+            lines.push("Its driver keeps no compiled pipelines on disk: each start compiles them again.".into());
+        }
+        if !self.features.timestamps {
+            lines.push("It does not tell when its work began and ended: parts of steps are not timed.".into());
         }
         let Limits { binding_bytes, bindings, invocations, .. } = self.limits;
         lines.push(format!(

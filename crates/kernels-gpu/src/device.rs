@@ -3,7 +3,7 @@
 //! Nothing here panics when a driver fails: an allocation that does not fit, a text that its compiler refuses and a lost
 //! device come back as [`DeviceError`]s.
 
-use crate::adapters::{Adapter, BINDINGS, Description, INVOCATIONS, OpenError, adapters, find, mebibytes};
+use crate::adapters::{Adapter, BINDINGS, Description, INVOCATIONS, Limits, OpenError, adapters, find, mebibytes};
 use crate::print::{Layout, Loops, PrintError, Printed, print, wgsl::Wgsl};
 use souple_program::Program;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -71,6 +71,22 @@ pub struct Transfers {
     pub downloaded: u64,
 }
 
+/// How a device is opened.
+#[derive(Clone, Copy, Debug)]
+pub struct Options<'a> {
+    /// What [`Gpu::cache_data`] gave for the same adapter and driver; the driver checks it.
+    pub cache: Option<&'a [u8]>,
+    /// Statements that the longest part of a program may have, as printed: longer texts are refused as if the device's
+    /// compiler had refused them. Compilers of shaders become slow, or fail, on texts that are too long for them.
+    pub longest: usize,
+}
+
+impl Default for Options<'_> {
+    fn default() -> Self {
+        Options { cache: None, longest: usize::MAX }
+    }
+}
+
 /// An opened device. Cheap to share.
 #[derive(Clone, Debug)]
 pub struct Gpu {
@@ -83,6 +99,7 @@ pub(crate) struct Inner {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
     cache: Option<wgpu::PipelineCache>,
+    longest: usize,
     lost: Arc<OnceLock<String>>,
     uploaded: AtomicU64,
     downloaded: AtomicU64,
@@ -113,6 +130,15 @@ impl Gpu {
     /// # Errors
     /// When the driver refuses, or a limit is too low.
     pub fn of(adapter: &Adapter, cache: Option<&[u8]>) -> Result<Gpu, OpenError> {
+        Gpu::with(adapter, &Options { cache, ..Options::default() })
+    }
+
+    /// Opens an adapter with other than the usual options. What is asked of it are its own limits, not the least that
+    /// every device has: a large model on a large device is not cut into more parts than that device needs.
+    ///
+    /// # Errors
+    /// When the driver refuses, or a limit is too low.
+    pub fn with(adapter: &Adapter, options: &Options<'_>) -> Result<Gpu, OpenError> {
         let description = adapter.description.clone();
         let refused = |reason: String| OpenError::Refused { adapter: description.name.clone(), reason };
         let limits = description.limits;
@@ -122,7 +148,8 @@ impl Gpu {
                 limits.bindings, limits.invocations
             )));
         }
-        let features = adapter.handle.features() & wgpu::Features::PIPELINE_CACHE;
+        let wanted = wgpu::Features::PIPELINE_CACHE | wgpu::Features::TIMESTAMP_QUERY;
+        let features = adapter.handle.features() & wanted;
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("souple"),
             required_features: features,
@@ -140,13 +167,15 @@ impl Gpu {
         device.on_uncaptured_error(Arc::new(move |error| {
             let _ = second.set(error.to_string());
         }));
-        let cache = features.contains(wgpu::Features::PIPELINE_CACHE).then(|| crate::cache::open(&device, cache));
+        let cache =
+            features.contains(wgpu::Features::PIPELINE_CACHE).then(|| crate::cache::open(&device, options.cache));
         Ok(Gpu {
             inner: Arc::new(Inner {
                 description,
                 device,
                 queue,
                 cache,
+                longest: options.longest,
                 lost,
                 uploaded: AtomicU64::new(0),
                 downloaded: AtomicU64::new(0),
@@ -161,6 +190,11 @@ impl Gpu {
         &self.inner.description
     }
 
+    /// The limits that it was opened with.
+    pub fn granted(&self) -> Limits {
+        Limits::of(&self.inner.device.limits())
+    }
+
     /// Bytes moved since the device was opened.
     pub fn transfers(&self) -> Transfers {
         let get = |n: &AtomicU64| n.load(Ordering::Relaxed);
@@ -170,6 +204,11 @@ impl Gpu {
     /// What was done another way than planned, and why, since this was last asked.
     pub fn take_notes(&self) -> Vec<String> {
         std::mem::take(&mut *self.inner.notes.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Something that whoever asks for notes should be told.
+    pub fn note(&self, note: String) {
+        self.inner.notes.lock().unwrap_or_else(PoisonError::into_inner).push(note);
     }
 
     /// Compiled pipelines as bytes for the next start, where the driver gives them.
@@ -351,11 +390,18 @@ impl Gpu {
         let print_as = |loops: Loops| print(program, &Layout { loops, ..layout.clone() }, &Wgsl, &[]);
         let writable: Vec<bool> =
             layout.bindings(program).iter().map(|b| matches!(b, crate::print::Binding::Output(_))).collect();
-        let compile = |printed: &Printed| self.compile(&program.name, &printed.source, Some("main"), &writable);
-        let mut note = |note: String| {
-            self.inner.notes.lock().unwrap_or_else(PoisonError::into_inner).push(note);
+        let compile = |printed: &Printed| {
+            let (longest, most) = (printed.longest, self.inner.longest);
+            if longest > most {
+                return Err(DeviceError::Compile {
+                    program: program.name.clone(),
+                    message: format!("its longest part has {longest} statements and at most {most} are compiled"),
+                    device: self.inner.description.name.clone(),
+                });
+            }
+            self.compile(&program.name, &printed.source, Some("main"), &writable)
         };
-        with_fallback(layout.loops, &print_as, &compile, &mut note)
+        with_fallback(layout.loops, &print_as, &compile, &mut |note| self.note(note))
     }
 
     /// Binds buffers to a pipeline, in order.

@@ -2,7 +2,8 @@
 //! which is for tests and measurements; steps keep theirs there ([`crate::resident`]).
 
 use crate::device::{DeviceError, Gpu, Pipeline};
-use crate::print::{Access, Binding, Layout, Loops};
+use crate::measure::Loaded;
+use crate::print::{Access, Layout, Loops};
 use souple_kernels::{About, Backend, CompileError, Input, Kernel, LANES, Scratch};
 use souple_program::{Program, verify};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -79,66 +80,36 @@ impl Compiled {
     }
 
     fn try_run(&self, groups: usize, inputs: &[Input<'_, f32>], outputs: &mut [&mut [f32]]) -> Result<(), DeviceError> {
-        let program = &self.program;
-        let mut tables: Vec<&[u32]> = Vec::new();
-        let access: Vec<Access> = inputs
-            .iter()
-            .map(|input| match *input {
-                Input::Lanes(_) => Access::Lanes,
-                Input::Uniform(_) => Access::Uniform,
-                Input::Gathered { rows, width, .. } => {
-                    tables.push(rows);
-                    Access::Gathered { width, table: tables.len() - 1 }
-                }
-            })
-            .collect();
+        let (access, tables) = accesses(inputs);
         let pipeline = self.form(&access)?;
-        let layout = layout(program, LANES, access);
-        let mut buffers = Vec::new();
-        let mut results = Vec::new();
-        for binding in layout.bindings(program) {
-            let buffer = match binding {
-                Binding::Uniforms => {
-                    let given = inputs.iter().filter_map(|i| if let Input::Uniform(v) = i { Some(*v) } else { None });
-                    self.upload("uniforms", &uniforms(program, given))?
-                }
-                Binding::Rows(t) => self.upload("rows", tables[t])?,
-                Binding::Input(k) => match inputs[k] {
-                    Input::Lanes(values) | Input::Uniform(values) | Input::Gathered { values, .. } => {
-                        self.upload(&program.inputs[k].name, values)?
-                    }
-                },
-                Binding::Output(k) => {
-                    let values = groups * LANES * program.outputs[k].total(program.points);
-                    let buffer = self.gpu.buffer(&program.outputs[k].name, 4 * values as u64, None)?;
-                    results.push((k, values, buffer.clone()));
-                    buffer
-                }
-            };
-            buffers.push(buffer);
-        }
-        let group = self.gpu.bind(&pipeline, &buffers.iter().collect::<Vec<_>>());
-        let mut encoder = self.gpu.encoder();
-        {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            let [x, y] = self.gpu.workgroups((groups * LANES).div_ceil(WORKGROUP));
-            pass.set_pipeline(&pipeline.pipeline);
-            pass.set_bind_group(0, &group, &[]);
-            pass.dispatch_workgroups(x, y, 1);
-        }
-        self.gpu.inner.queue.submit([encoder.finish()]);
-        for (k, values, buffer) in results {
-            let content = self.gpu.download(&buffer)?;
-            let singles: Vec<f32> = bytemuck::pod_collect_to_vec(&content);
-            outputs[k][..values].copy_from_slice(&singles[..values]);
+        let layout = layout(&self.program, LANES, access);
+        let loaded = Loaded::bind(&self.gpu, &self.program, &pipeline, &layout, groups, inputs, &tables)?;
+        loaded.run(1)?;
+        for (k, values) in outputs.iter_mut().enumerate() {
+            let content = loaded.output(k)?;
+            values[..content.len()].copy_from_slice(&content);
         }
         Ok(())
     }
+}
 
-    fn upload<T: bytemuck::NoUninit>(&self, what: &str, values: &[T]) -> Result<wgpu::Buffer, DeviceError> {
-        let content: &[u8] = bytemuck::cast_slice(values);
-        self.gpu.buffer(what, content.len() as u64, Some(content))
-    }
+/// How inputs arrive, and the tables of rows that they share: those of the same place in memory are one.
+pub(crate) fn accesses<'a>(inputs: &[Input<'a, f32>]) -> (Vec<Access>, Vec<&'a [u32]>) {
+    let mut tables: Vec<&[u32]> = Vec::new();
+    let access = |input: &Input<'a, f32>| match *input {
+        Input::Lanes(_) => Access::Lanes,
+        Input::Uniform(_) => Access::Uniform,
+        Input::Gathered { rows, width, .. } => {
+            let known = tables.iter().position(|t| std::ptr::eq(*t, rows));
+            let table = known.unwrap_or_else(|| {
+                tables.push(rows);
+                tables.len() - 1
+            });
+            Access::Gathered { width, table }
+        }
+    };
+    let accesses = inputs.iter().map(access).collect();
+    (accesses, tables)
 }
 
 impl Kernel<f32> for Compiled {

@@ -1,9 +1,17 @@
-//! The suite of all backends, on the first adapter; functions of the printed language to the last digits.
+//! The suite of all backends, on the first adapter; functions of the printed language to the last digits; what is done
+//! when a compiler refuses, what is kept of compiled pipelines, and what measurements run.
 #![allow(
     clippy::disallowed_methods,
     clippy::disallowed_macros,
     reason = "a test that finds no adapter says so in a file and on standard output"
 )]
+
+#[path = "conformance/fallback.rs"]
+mod fallback;
+#[path = "conformance/measure.rs"]
+mod measure;
+#[path = "conformance/pipelines.rs"]
+mod pipelines;
 
 use souple_kernels_gpu::{Gpu, GpuBackend, OpenError};
 use std::sync::OnceLock;
@@ -14,16 +22,27 @@ fn backend() -> Option<GpuBackend> {
     let gpu = GPU.get_or_init(|| match Gpu::open("", None) {
         Ok(gpu) => Some(gpu),
         Err(OpenError::None) => {
-            println!("skipped: no adapter");
-            if let Some(folder) = std::env::var_os("SOUPLE_SKIPPED") {
-                let note = std::path::Path::new(&folder).join("kernels-gpu.txt");
-                std::fs::write(note, "no adapter").expect("the folder of skipped tests can be written");
-            }
+            skipped("kernels-gpu, every test on a device", "no adapter");
             None
         }
         Err(error) => panic!("{error}"),
     });
     gpu.clone().map(GpuBackend::new)
+}
+
+/// Says on standard output, and where all skips are collected, what was not tested and why.
+fn skipped(what: &str, why: &str) {
+    println!("skipped: {why}");
+    if let Some(folder) = std::env::var_os("SOUPLE_SKIPPED") {
+        let note = std::path::Path::new(&folder).join(format!("{what}.txt"));
+        std::fs::write(note, why).expect("the folder of skipped tests can be written");
+    }
+}
+
+/// The first adapter, where there is one.
+fn adapter() -> Option<souple_kernels_gpu::Adapter> {
+    backend()?;
+    souple_kernels_gpu::adapters().into_iter().next()
 }
 
 souple_kernels::conformance_in_singles!(backend());

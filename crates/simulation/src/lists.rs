@@ -365,7 +365,15 @@ fn graphics_devices() -> Vec<DeviceEntry> {
     };
     let mut entries = vec![entry("gpu", format!("{}: the first of the adapters", first.name), first.refused.is_none())];
     entries.extend(adapters.iter().map(|a| {
-        let about = format!("{} through {} ({}), {}, single precision", a.name, a.interface, a.driver, a.kind);
+        let what = match &a.refused {
+            Some(why) => why.clone(),
+            None => format!(
+                "steps in single precision, buffers of {} MiB{}",
+                a.max_buffer_bytes >> 20,
+                if a.timestamps { "" } else { ", no time stamps" }
+            ),
+        };
+        let about = format!("{} through {} ({}), {}: {what}", a.name, a.interface, a.driver, a.kind);
         entry(&a.id, about, a.refused.is_none())
     }));
     entries

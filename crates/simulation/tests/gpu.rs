@@ -21,7 +21,11 @@ fn gpu() -> Option<Gpu> {
         Err(souple_kernels_gpu::OpenError::None) => {
             println!("skipped: no adapter");
             if let Some(folder) = std::env::var_os("SOUPLE_SKIPPED") {
-                std::fs::write(std::path::Path::new(&folder).join("simulation-gpu.txt"), "no adapter").unwrap();
+                std::fs::write(
+                    std::path::Path::new(&folder).join("simulation, every test on a device.txt"),
+                    "no adapter",
+                )
+                .unwrap();
             }
             None
         }

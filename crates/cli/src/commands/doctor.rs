@@ -35,7 +35,7 @@ fn of_adapter(a: &AdapterReport) -> String {
     let yes = |b: bool| if b { "yes" } else { "no" };
     let mut out = format!(
         "{}: {}\n  driver {}, through {}, {}\n  buffers up to {}, programs see {} of one and {} buffers at most\n  double \
-         precision: {}; pipelines kept on disk: {}\n",
+         precision: {}; pipelines kept on disk: {}; time stamps: {}\n",
         a.id,
         a.name,
         a.driver,
@@ -46,6 +46,7 @@ fn of_adapter(a: &AdapterReport) -> String {
         a.max_bindings,
         yes(a.double_precision),
         yes(a.pipeline_cache),
+        yes(a.timestamps),
     );
     match &a.refused {
         Some(reason) => out.push_str(&format!("  it cannot be used: {reason}\n")),

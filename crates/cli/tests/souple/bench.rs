@@ -149,7 +149,8 @@ fn unknown_names_are_refused() {
     for (words, known) in [
         ("bench kernels --element tet5", "tet4"),
         ("bench kernels --law stvkk", "stvk"),
-        ("bench kernels --device gpu:9", "interpreter"),
+        ("bench kernels --device cpu:9", "interpreter"),
+        ("bench kernels --device gpu:nosuchcard", "--device cpu"),
         ("bench kernels --rounds 0", "at least 1"),
         ("bench step --element tet5", "tet4"),
         ("bench step --law stvkk", "stvk"),

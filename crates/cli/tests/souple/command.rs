@@ -50,8 +50,14 @@ impl Place {
 
     /// Runs `souple` with these words in this folder.
     pub(crate) fn souple(&self, words: &str) -> Answer {
+        self.souple_where(words, &[])
+    }
+
+    /// The same with these variables in its environment.
+    pub(crate) fn souple_where(&self, words: &str, variables: &[(&str, &str)]) -> Answer {
         let output = Command::new(env!("CARGO_BIN_EXE_souple"))
             .args(words.split_whitespace())
+            .envs(variables.iter().copied())
             .current_dir(&self.0)
             .output()
             .unwrap();

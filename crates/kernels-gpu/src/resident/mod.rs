@@ -24,7 +24,9 @@ mod model;
 mod segments;
 mod solve;
 mod step;
+mod sums;
 mod vectors;
 
 pub use model::{Batch, Model, Preconditioner, Source};
 pub use step::{Ending, Outcome, Resident, Stage, Start, State, Step};
+pub use sums::row_sums;

@@ -32,6 +32,7 @@ fn report(adapter: &Adapter) -> AdapterReport {
         max_bindings: d.limits.bindings,
         double_precision: d.features.doubles,
         pipeline_cache: d.features.pipeline_cache,
+        timestamps: d.features.timestamps,
         notes: d.shortcomings(),
         refused: Gpu::of(adapter, None).err().map(|e| e.to_string()),
     }
@@ -44,8 +45,10 @@ fn report(adapter: &Adapter) -> AdapterReport {
 pub fn open_gpu(name: &str) -> Result<Gpu, LoadError> {
     let refused = |e: souple_kernels_gpu::OpenError| LoadError::Refused(format!("{e}; or use --device cpu"));
     let adapter = souple_kernels_gpu::find(&souple_kernels_gpu::adapters(), name).map_err(refused)?;
-    let kept = cache::read(&adapter.description);
-    Gpu::of(&adapter, kept.as_deref()).map_err(refused)
+    let (kept, note) = cache::read(&adapter.description);
+    let gpu = Gpu::of(&adapter, kept.as_deref()).map_err(refused)?;
+    note.into_iter().for_each(|n| gpu.note(n));
+    Ok(gpu)
 }
 
 /// A simulation on a device.

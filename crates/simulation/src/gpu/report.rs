@@ -26,6 +26,8 @@ pub struct AdapterReport {
     pub double_precision: bool,
     /// Whether compiled pipelines can be kept on disk.
     pub pipeline_cache: bool,
+    /// Whether it tells when its work began and ended.
+    pub timestamps: bool,
     /// What is lacking or done another way, one sentence each.
     pub notes: Vec<String>,
     /// Why it cannot be opened, if it cannot.

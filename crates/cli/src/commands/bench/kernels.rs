@@ -10,7 +10,8 @@ use souple_simulation::open_device;
 
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  souple bench kernels --element tet4,hex8 --law stvk --against\n  \
-    souple bench kernels --element all --law hooke --device cpu:avx2 --json\n\n\
+    souple bench kernels --element all --law hooke --device cpu:avx2 --json\n  \
+    souple bench kernels --element tet4,hex8 --device gpu --elements 1000000 --json\n\n\
     ratio to handwritten: time of the hand-written kernel over that of the generated one, 1 is as fast, more is faster.\n\
     ratio to ahead: the same for the same program compiled with the library.")]
 pub(crate) struct Arguments {
@@ -37,6 +38,9 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if let Some(name) = graphics_device(&arguments.device) {
+        return on_graphics_device(name, arguments);
+    }
     let backend = open_device(&arguments.device).map_err(input)?;
     let request = Request {
         elements: super::elements(&arguments.element)?,
@@ -49,6 +53,91 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let report = measure(&request, &mut |next| note(next)).map_err(input)?;
     if arguments.json { say_json(&report) } else { say(&text(&report)) }
+}
+
+/// The part of a graphics device's name that says which adapter.
+fn graphics_device(device: &str) -> Option<&str> {
+    if device == "gpu" { Some("") } else { device.strip_prefix("gpu:") }
+}
+
+#[cfg(not(feature = "gpu"))]
+fn on_graphics_device(name: &str, _: &Arguments) -> Result<(), Failure> {
+    Err(input(format!(
+        "this build has no graphics devices, so there is no `gpu:{name}`: build with the feature `gpu`, or use --device cpu"
+    )))
+}
+
+#[cfg(feature = "gpu")]
+fn on_graphics_device(name: &str, arguments: &Arguments) -> Result<(), Failure> {
+    use souple_bench::graphics;
+    if arguments.against {
+        return Err(input(
+            "--against compares code of the processor; a graphics device is compared with its own bounds: leave it out",
+        ));
+    }
+    let (elements, laws) = (super::elements(&arguments.element)?, super::laws(&arguments.law)?);
+    let gpu = souple_simulation::gpu::open_gpu(name).map_err(input)?;
+    let effort = arguments.rounds.effort();
+    let request = graphics::Request { elements, laws, gpu: &gpu, count: arguments.elements, effort };
+    let report = graphics::measure(&request, &mut |next| note(next)).map_err(input)?;
+    gpu.take_notes().iter().for_each(|n| note(&format!("note: {n}")));
+    if arguments.json { say_json(&report) } else { say(&graphics_text(&report)) }
+}
+
+#[cfg(feature = "gpu")]
+fn graphics_text(report: &souple_bench::graphics::Report) -> String {
+    let clock = match report.clock {
+        souple_bench::graphics::Clock::Device => "the device's",
+        souple_bench::graphics::Clock::Host => "the host's",
+    };
+    let peak = &report.peak;
+    let head = format!(
+        "{}, driver {}, through {}, {}; times by {clock} clock\n\
+         peak: {} Gop/s, copy {} GB/s, triad {} GB/s\n\n",
+        report.adapter,
+        report.driver,
+        report.backend,
+        report.date,
+        spread(&peak.operations_per_ns),
+        spread(&peak.copy_bytes_per_ns),
+        spread(&peak.triad_bytes_per_ns),
+    );
+    let heads = [
+        "element",
+        "law",
+        "program",
+        "elements",
+        "ns/element",
+        "Gop/s",
+        "GB/s",
+        "operations",
+        "bytes",
+        "of the bound",
+        "error",
+    ];
+    let cells = |row: &souple_bench::graphics::Row| {
+        vec![
+            row.element.to_owned(),
+            row.law.to_owned(),
+            row.program.clone(),
+            row.elements.to_string(),
+            spread(&row.ns_per_element),
+            super::digits(row.operations_per_ns),
+            super::digits(row.bytes_per_ns),
+            row.operations.to_string(),
+            format!("{:.0}", row.bytes),
+            format!("{:.0} % {}", row.percent_of_bound, bound(row.bound)),
+            format!("{:.2}", row.error_of_bound),
+        ]
+    };
+    head + &table(&heads, &report.rows.iter().map(cells).collect::<Vec<_>>())
+}
+
+fn bound(bound: Bound) -> &'static str {
+    match bound {
+        Bound::Arithmetic => "arithmetic",
+        Bound::Bandwidth => "bandwidth",
+    }
 }
 
 fn text(report: &Report) -> String {
@@ -86,10 +175,6 @@ fn cells(row: &Row, against: bool) -> Vec<String> {
         Residence::Cached => format!("cached {}", row.elements),
         Residence::Streamed => format!("memory {}", row.elements),
     };
-    let bound = match row.bound {
-        Bound::Arithmetic => "arithmetic",
-        Bound::Bandwidth => "bandwidth",
-    };
     let mut cells = vec![
         row.element.to_owned(),
         row.law.to_owned(),
@@ -99,7 +184,7 @@ fn cells(row: &Row, against: bool) -> Vec<String> {
         row.singles_ns_per_element.as_ref().map(spread).unwrap_or_default(),
         row.operations.to_string(),
         format!("{:.0}", row.bytes),
-        format!("{:.0} % {bound}", row.percent_of_peak),
+        format!("{:.0} % {}", row.percent_of_peak, bound(row.bound)),
         spread(&row.compile_ms),
     ];
     if against {
