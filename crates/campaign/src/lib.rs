@@ -19,6 +19,7 @@ pub mod identity;
 pub mod plan;
 pub mod problem;
 pub mod queue;
+pub mod report;
 mod toml_table;
 pub mod values;
 pub mod worker;

@@ -6,6 +6,7 @@
 //! | 2 | bad input, or something cannot be read, written or started |
 //! | 130 | interrupted; the same command goes on |
 
+mod commands;
 mod output;
 
 use clap::{Parser, Subcommand};
@@ -31,6 +32,8 @@ enum Command {
     /// Run what is not done yet of the group described in a folder
     #[command(visible_alias = "resume", after_help = "Example: souple campaign run DIR --jobs 4")]
     Run(Run),
+    /// Write a page with graphs and a table of a group, which opens in a browser without a network
+    Report(commands::report::Arguments),
     /// List the groups of a database
     #[command(after_help = "Example: souple campaign list --db campaign.db")]
     List {
@@ -76,6 +79,7 @@ struct Run {
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Run(arguments) => run(&arguments),
+        Command::Report(arguments) => commands::report::run(&arguments),
         Command::List { db } => list(&db),
         Command::Show { group, db, csv } => show(&db, group.as_deref(), csv.as_deref()),
     };

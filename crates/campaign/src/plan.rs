@@ -97,7 +97,7 @@ pub fn plan(group: &Group) -> Result<Vec<Planned>, Problems> {
 }
 
 /// `key=value`; `material.*.young` once for every material.
-fn assignments(key: &str, value: &Value, materials: usize) -> Vec<String> {
+pub(crate) fn assignments(key: &str, value: &Value, materials: usize) -> Vec<String> {
     if !key.contains("material.*.") {
         return vec![format!("{key}={value}")];
     }

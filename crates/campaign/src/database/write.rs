@@ -225,6 +225,12 @@ fn simulation(t: &Transaction<'_>, outcome: &Outcome, machine: &Machine) -> Resu
     for (element, count) in summary["elements"].as_object().into_iter().flatten() {
         t.execute("INSERT INTO element_counts VALUES (?1, ?2, ?3)", params![id, element, count.as_i64()])?;
     }
+    for (component, value) in summary["cg_iterations"].as_object().into_iter().flatten() {
+        if let Some(x) = value.as_f64() {
+            let row = params![id, crate::report::SOLVER, "cg iterations per step", component, x];
+            t.execute("INSERT INTO measurements VALUES (?1, ?2, ?3, ?4, ?5)", row)?;
+        }
+    }
     let steps = summary["steps"].as_f64().unwrap_or(0.0).max(1.0);
     let phases = summary["phases_ms"].as_object().into_iter().flatten();
     let phases = phases.filter_map(|(phase, ms)| Some((phase.clone(), ms.as_f64()? / steps)));

@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that unwraps says with its line number what it expected")]
 
+mod browser;
 mod description;
 mod example;
+mod report;
 mod running;
