@@ -111,6 +111,8 @@ impl Work {
             Ok(Event::Woken) => {
                 self.fresh = true;
                 self.told = false;
+                // Also while nobody looks: what is not taken would heap up.
+                self.count_steps(Instant::now());
                 self.pass_on_pulls();
             }
             Ok(Event::Joined(client)) => {
@@ -212,8 +214,8 @@ impl Work {
         }
     }
 
-    fn frame(&mut self) {
-        let now = Instant::now();
+    /// Takes note of the steps since this was last called.
+    fn count_steps(&mut self, now: Instant) {
         let mut count = 0;
         for sample in self.hub.session.samples() {
             count += 1;
@@ -223,6 +225,11 @@ impl Work {
         while self.steps.front().is_some_and(|(then, _)| now - *then > WINDOW) {
             self.steps.pop_front();
         }
+    }
+
+    fn frame(&mut self) {
+        let now = Instant::now();
+        self.count_steps(now);
         let snapshot = self.hub.session.snapshot();
         if snapshot.positions.is_empty() {
             // The session has not begun; it wakes us when it has.

@@ -153,3 +153,33 @@ fn the_page_fits_and_comes_back() {
     browser.wait_for("document.body.dataset.step === '1'");
     drop(again);
 }
+
+/// Every scene of the collection is drawn, without a complaint, in all the groups of its legends.
+#[test]
+fn bundled_scenes_are_drawn() {
+    let Some(mut browser) = browser("scenes", [1280, 800]) else { return };
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+    let files = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path());
+    let mut scenes: Vec<_> = files.filter(|file| file.extension().is_some_and(|e| e == "toml")).collect();
+    scenes.sort();
+    assert!(!scenes.is_empty());
+    for scene in scenes {
+        let name = scene.file_stem().unwrap().to_str().unwrap().to_owned();
+        let server = client::scene(scene.to_str().unwrap());
+        browser.go(&format!("http://{}/", server.address()));
+        browser.wait_for("document.body.dataset.step === '0'");
+        let file = browser.screenshot();
+        keep(&format!("serve-{name}.png"), &file);
+        let picture = pixels(&file);
+        let background = picture.pixels[picture.width * 100 + 480];
+        let drawn = (0..800 * 960).filter(|k| picture.pixels[(k / 960) * 1280 + k % 960] != background).count();
+        assert!(drawn > 30_000, "{name}: {drawn} pixels");
+        let groups = client::connect(&server).unwrap().scene.header["legends"]["element"].clone();
+        let shown = browser.value("document.querySelectorAll('#legend li').length");
+        assert_eq!(shown.as_u64().unwrap() as usize, groups.as_array().unwrap().len(), "{name}");
+        let (complaints, _) = browser.complaints_and_requests();
+        assert!(complaints.is_empty(), "{name}: {complaints:#?}");
+        // The page that lost its server would say so.
+        browser.go("about:blank");
+    }
+}
