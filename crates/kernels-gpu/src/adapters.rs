@@ -31,7 +31,7 @@ pub struct Description {
     pub interface: String,
     /// "discrete", "integrated", "virtual", "processor" or "other".
     pub kind: String,
-    /// What bounds programs on it.
+    /// What bounds programs on it. Lower ones, set before it is opened, are kept to; higher ones are not.
     pub limits: Limits,
     /// What it has beyond what is needed.
     pub features: Features,
@@ -50,6 +50,19 @@ pub struct Limits {
     pub workgroups: u32,
     /// Invocations of a workgroup.
     pub invocations: u32,
+}
+
+impl Limits {
+    /// The lower of both, one by one.
+    pub(crate) fn least(self, other: Limits) -> Limits {
+        Limits {
+            buffer_bytes: self.buffer_bytes.min(other.buffer_bytes),
+            binding_bytes: self.binding_bytes.min(other.binding_bytes),
+            bindings: self.bindings.min(other.bindings),
+            workgroups: self.workgroups.min(other.workgroups),
+            invocations: self.invocations.min(other.invocations),
+        }
+    }
 }
 
 /// Optional features of an adapter.
@@ -225,5 +238,8 @@ impl Description {
 
 /// A size in words.
 pub(crate) fn mebibytes(bytes: u64) -> String {
+    if bytes < 1 << 20 {
+        return format!("{:.1} KiB", bytes as f64 / 1024.0);
+    }
     format!("{:.0} MiB", bytes as f64 / f64::from(1u32 << 20))
 }

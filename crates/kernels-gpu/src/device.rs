@@ -139,7 +139,9 @@ impl Gpu {
     /// # Errors
     /// When the driver refuses, or a limit is too low.
     pub fn with(adapter: &Adapter, options: &Options<'_>) -> Result<Gpu, OpenError> {
-        let description = adapter.description.clone();
+        let mut description = adapter.description.clone();
+        // Whoever opens a device may allow it less than it has, and not more.
+        description.limits = description.limits.least(Limits::of(&adapter.handle.limits()));
         let refused = |reason: String| OpenError::Refused { adapter: description.name.clone(), reason };
         let limits = description.limits;
         if limits.bindings < BINDINGS || limits.invocations < INVOCATIONS {

@@ -7,6 +7,7 @@ pub mod interaction;
 pub mod law_report;
 pub mod lists;
 mod motion;
+mod nodes;
 mod output;
 mod phases;
 pub mod prepare;
@@ -19,6 +20,7 @@ mod system;
 mod tensor;
 
 pub use fields::ElementField;
+pub use nodes::Nodes;
 pub use output::{Iterations, Quantiles, Summary};
 pub use phases::PhaseTimes;
 pub use probes::{ExpectationResult, ProbeValue};

@@ -215,11 +215,11 @@ impl Simulation {
 
     /// The whole state, for [`Simulation::restore`].
     pub fn checkpoint(&self) -> Vec<u8> {
-        let state = self.present();
+        let (steps, t, state) = self.saved();
         let mut bytes = MAGIC.to_vec();
         let mut put = |x: f64| bytes.extend_from_slice(&x.to_bits().to_le_bytes());
-        put(self.steps as f64);
-        put(state.t);
+        put(steps as f64);
+        put(t);
         put(state.u.len() as f64);
         let previous = state.previous.as_ref();
         let lists: [&[f64]; 6] = [

@@ -23,6 +23,39 @@ pub enum ProbeValue {
     Vectors(Vec<[f64; 3]>),
 }
 
+/// What of a state a quantity is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Reads {
+    /// Displacements of the probe's nodes.
+    Displacements,
+    /// Velocities of the probe's nodes.
+    Velocities,
+    /// Displacements of whole elements: everything, as far as a device is concerned.
+    Everything,
+}
+
+/// What a quantity reads.
+pub(crate) fn reads(quantity: Quantity) -> Reads {
+    match quantity {
+        Quantity::MeanDisplacement
+        | Quantity::MeanPosition
+        | Quantity::MaximumDisplacement
+        | Quantity::Displacement
+        | Quantity::Position
+        | Quantity::DeflectionCurve => Reads::Displacements,
+        Quantity::MeanVelocity | Quantity::KineticEnergy => Reads::Velocities,
+        Quantity::Reaction
+        | Quantity::StrainEnergy
+        | Quantity::Energy
+        | Quantity::Volume
+        | Quantity::VolumeRatio
+        | Quantity::EnergyDensity
+        | Quantity::Strain
+        | Quantity::PrincipalStretches
+        | Quantity::Stress => Reads::Everything,
+    }
+}
+
 /// A state to be measured.
 pub(crate) struct Measured<'a> {
     pub(crate) system: &'a mut System,

@@ -6,6 +6,7 @@ use crate::motion::{Motion, Turn};
 use crate::phases::{PhaseTimes, Watched};
 use crate::prepare::{self, PrepareError, Prepared};
 use crate::probes::{ExpectationResult, Measured, ProbeValue};
+use crate::remote::{Known, Probed};
 use crate::system::{FlatLoad, System};
 use serde::Serialize;
 use souple_kernels::{Backend, CompileError, Interpreter};
@@ -159,6 +160,10 @@ pub(crate) struct Remote {
     pub(crate) fetched: OnceLock<State>,
     /// Steps made when [`Simulation::state`] came back last.
     pub(crate) known: u64,
+    /// What probes read of the present state, where they look at nodes alone.
+    pub(crate) probed: Option<Probed>,
+    /// That the device was found lost between two steps, in words; the next step says it.
+    pub(crate) lost: Option<String>,
 }
 
 /// Opens a device by name.
@@ -256,13 +261,8 @@ impl Simulation {
             scene.time.stop.as_ref().map(|stop| {
                 RestMonitor::new(stop.mean_kinetic_energy, stop.check_every.unwrap_or(scene.time.step.value))
             });
-        let mut on_device = match adapter {
-            None => None,
-            Some(name) => {
-                let device = OnDevice::load(name, &scene, scene_file, &system, &prepared, &mut warnings)?;
-                Some(Remote { device, energy: 0.0, stale: false, fetched: OnceLock::new(), known: 0 })
-            }
-        };
+        let put = |name: &str| OnDevice::load(name, &scene, scene_file, &system, &prepared, &mut warnings);
+        let mut on_device = adapter.map(put).transpose()?.map(Remote::new);
         let workspace = if on_device.is_some() {
             StepWorkspace::default()
         } else {
@@ -330,6 +330,7 @@ impl Simulation {
     pub fn advance(&mut self) -> Result<Progress, RunError> {
         let mut warnings = Vec::new();
         if self.ending.is_none() {
+            self.not_lost()?;
             let before = Instant::now();
             self.begin_step();
             let threads = self.system.threads.clone();
@@ -353,6 +354,11 @@ impl Simulation {
         let due = self.skip_written_outputs() || self.ending.is_some();
         if self.ending == Some(Ending::Finished) || self.ending == Some(Ending::AtRest) {
             warnings.extend(self.inverted());
+        }
+        if due && self.on_device.is_some() {
+            // Whoever is told that output is due reads the state next; a device that cannot give it fails here.
+            self.fetch();
+            self.not_lost()?;
         }
         Ok(Progress {
             step: self.steps,
@@ -559,7 +565,7 @@ impl Simulation {
     }
 
     /// A failure with the elements that are worst off in the last good state, and what to try.
-    fn explain(&mut self, message: &str) -> String {
+    pub(crate) fn explain(&mut self, message: &str) -> String {
         self.fetch();
         let crushed = self.system.elements.crushed(&self.state.u, 0.2);
         let named: Vec<String> = crushed
@@ -590,12 +596,15 @@ impl Simulation {
 
     /// All probes: name, quantity, value.
     pub fn probes(&mut self) -> BTreeMap<String, BTreeMap<String, ProbeValue>> {
-        self.fetch();
+        let known = self.fetch_for_probes();
+        let (u, v) = match (known, &self.on_device) {
+            (Known::Nodes, Some(Remote { probed: Some(probed), .. })) => (&probed.u, &probed.v),
+            _ => (&self.state.u, &self.state.v),
+        };
         let mut all = BTreeMap::new();
         for (probe, region) in self.scene.probes.iter().zip(&self.prepared.probes) {
             let mut values = BTreeMap::new();
-            let mut measured =
-                Measured { system: &mut self.system, t: self.state.t, u: &self.state.u, v: &self.state.v };
+            let mut measured = Measured { system: &mut self.system, t: self.state.t, u, v };
             for quantity in &probe.quantities {
                 let value = measured.measure(quantity.value, region, probe);
                 values.insert(quantity.value.to_string(), value);

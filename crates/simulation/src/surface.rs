@@ -31,6 +31,12 @@ pub fn faces(prepared: &Prepared) -> Vec<Face> {
     faces
 }
 
+/// The nodes of the surface, ascending: what a picture of it needs to know the places of.
+pub fn nodes(prepared: &Prepared) -> Vec<u32> {
+    let all: BTreeSet<u32> = faces(prepared).into_iter().flat_map(|face| face.nodes).collect();
+    all.into_iter().collect()
+}
+
 fn add_faces(body: &PreparedBody, faces: &mut Vec<Face>) {
     let numbers = body.numbers();
     let number_of = |id: ElementId| -> Option<u32> {

@@ -9,6 +9,8 @@ mod conformance;
 mod runs;
 #[path = "gpu/trajectory.rs"]
 mod trajectory;
+#[path = "gpu/transfers.rs"]
+mod transfers;
 
 use souple_kernels_gpu::Gpu;
 use std::sync::OnceLock;

@@ -107,7 +107,7 @@ pub(super) const BEGIN: Text = text!("begin", [Parameters V Mass], [P S]);
 pub(super) const MOVED: Text = text!("moved", [Parameters Moved Targets U ULow], [P S]);
 pub(super) const MOVED_END: Text = text!("moved_end", [Moved Targets Control], [U ULow V]);
 pub(super) const LOAD: Text = text!("load", [Loaded LoadValues LoadFactor], [R]);
-pub(super) const RIGHT: Text = text!("right", [Parameters Constant Mass S Q], [R Sums]);
+pub(super) const RIGHT: Text = text!("right", [Parameters Constant Mass Q], [R S Sums]);
 pub(super) const EXPLICIT: Text = text!("explicit", [Parameters R Mass], [A Control]);
 pub(super) const INVERSE: Text = text!("inverse", [Parameters Segment Blocks Mass], [Inverse]);
 pub(super) const RESIDUAL: Text = text!("residual", [Parameters Q], [R]);
@@ -115,9 +115,10 @@ pub(super) const DIRECTION: Text = text!("direction", [Parameters R Inverse], [P
 pub(super) const OPEN: Text = text!("open", [Parameters Sums], [Control]);
 pub(super) const DESCEND: Text = text!("descend", [Parameters P Q Inverse], [A R Sums Control]);
 pub(super) const ADVANCE: Text = text!("advance", [Parameters R Inverse Sums], [P Control]);
-pub(super) const FINISH: Text = text!("finish", [Parameters Control Mass A], [U ULow V]);
+pub(super) const FINISH: Text = text!("finish", [Parameters Control Mass S Inverse], [A U ULow V]);
 pub(super) const ENERGY: Text = text!("energy", [Parameters Mass U V], [Sums]);
 pub(super) const JUDGE: Text = text!("judge", [Values], [Result]);
+pub(super) const PICK: Text = text!("pick", [Places Segment U ULow], [Result]);
 pub(super) const CLOSE: Text = text!("close", [Parameters Sums], [Control Judged]);
 
 impl Text {
@@ -173,7 +174,7 @@ mod tests {
         };
         let all = [
             GATHER, PRODUCT, BEGIN, MOVED, MOVED_END, LOAD, RIGHT, EXPLICIT, INVERSE, RESIDUAL, DIRECTION, OPEN,
-            DESCEND, ADVANCE, FINISH, ENERGY, JUDGE, CLOSE,
+            DESCEND, ADVANCE, FINISH, ENERGY, JUDGE, PICK, CLOSE,
         ];
         for text in all {
             if let Err(error) = text.compile(&gpu) {

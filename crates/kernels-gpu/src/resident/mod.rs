@@ -21,12 +21,16 @@
 mod chunks;
 mod kernels;
 mod model;
+mod rows;
 mod segments;
 mod solve;
 mod step;
 mod sums;
+mod traffic;
 mod vectors;
 
 pub use model::{Batch, Model, Preconditioner, Source};
+pub use rows::{Form, Rows};
 pub use step::{Ending, Outcome, Resident, Stage, Start, State, Step};
 pub use sums::row_sums;
+pub use traffic::Traffic;

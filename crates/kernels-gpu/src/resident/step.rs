@@ -2,12 +2,13 @@
 
 use super::chunks::{self, Chunk, Programs, Vectors};
 use super::kernels::{
-    BEGIN, CLOSE, CONTROL_WORDS, ENERGY, EXPLICIT, FINISH, JUDGE, LOAD, MOVED, MOVED_END, RIGHT, Slot, WORKGROUP,
+    BEGIN, CLOSE, CONTROL_WORDS, ENERGY, EXPLICIT, FINISH, JUDGE, LOAD, MOVED, MOVED_END, PICK, RIGHT, Slot, WORKGROUP,
 };
 use super::model::{Batch, Model};
 use super::solve::{Solve, Summed, Summing};
+use super::traffic::{Counters, Purpose, Traffic};
 use super::vectors::{Bound, Memory, PARAMETER_WORDS};
-use crate::device::{DeviceError, Gpu};
+use crate::device::{DeviceError, Gpu, Pipeline};
 
 /// The numbers of a step; `ahead` and the rest say which method it is.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,7 +73,8 @@ pub enum Ending {
     Converged,
     /// The solve used all its iterations; the step was made.
     Exhausted,
-    /// A direction without positive curvature was met; the step was made with what was known before it.
+    /// A direction without positive curvature was met; the step was made with what was known before it, and with the
+    /// preconditioned right-hand side where it was the first.
     Indefinite,
     /// Something was not finite, out of reach, or not positive that must be; the state is the one before the step.
     Failed,
@@ -106,11 +108,14 @@ pub struct State {
 
 /// A model on a device, with its state.
 pub struct Resident {
-    gpu: Gpu,
-    memory: Memory,
+    pub(super) gpu: Gpu,
+    pub(super) memory: Memory,
+    pub(super) pick: Pipeline,
+    pub(super) traffic: Counters,
     programs: Programs,
-    /// Kept alive: bind groups refer to what chunks own.
-    _chunks: Vec<Chunk>,
+    /// Kept alive, too: bind groups refer to what chunks own.
+    chunks: Vec<Chunk>,
+    segments: usize,
     force: Summed,
     begin: Bound,
     right: Bound,
@@ -126,7 +131,7 @@ pub struct Resident {
     /// u, its low part, v and a before the step.
     backup: [wgpu::Buffer; 4],
     reach: f64,
-    axes: usize,
+    pub(super) axes: usize,
     expected: usize,
 }
 
@@ -217,6 +222,8 @@ impl Resident {
             energy: kernel(&ENERGY)?,
             checks,
             close: memory.kernel(gpu, &CLOSE, &[], 1)?,
+            pick: PICK.compile(gpu)?,
+            traffic: Counters::default(),
             staging: gpu.staging(4 * CONTROL_WORDS as u64),
             backup,
             reach: model.reach,
@@ -224,7 +231,8 @@ impl Resident {
             expected: FIRST_GUESS,
             gpu: gpu.clone(),
             programs,
-            _chunks: all,
+            chunks: all,
+            segments: segments.len(),
             memory,
         })
     }
@@ -232,6 +240,26 @@ impl Resident {
     /// The device.
     pub fn gpu(&self) -> &Gpu {
         &self.gpu
+    }
+
+    /// Parts that the items were cut into so that a program sees all it needs: one per batch where everything fits.
+    pub fn chunks(&self) -> usize {
+        self.chunks.len()
+    }
+
+    /// Buffers that contributions to forces were cut into.
+    pub fn segments(&self) -> usize {
+        self.segments
+    }
+
+    /// Bytes moved since the model was put on the device, by what they were for.
+    pub fn traffic(&self) -> Traffic {
+        self.traffic.read()
+    }
+
+    fn send_to(&self, purpose: Purpose, buffer: &wgpu::Buffer, content: &[u8]) {
+        self.gpu.write(buffer, content);
+        self.traffic.sent(purpose, content.len());
     }
 
     /// Overwrites the state.
@@ -247,7 +275,7 @@ impl Resident {
         let mut a: Vec<f32> = state.a.iter().map(|&a| a as f32).collect();
         a.resize(len, 0.0);
         for (slot, values) in [(Slot::U, high), (Slot::ULow, low), (Slot::V, v), (Slot::A, a)] {
-            self.gpu.write(self.memory.get(slot), bytemuck::cast_slice(&values));
+            self.send_to(Purpose::State, self.memory.get(slot), bytemuck::cast_slice(&values));
         }
     }
 
@@ -257,7 +285,9 @@ impl Resident {
     /// When the device is lost.
     pub fn read(&self) -> Result<State, DeviceError> {
         let singles = |slot: Slot| -> Result<Vec<f32>, DeviceError> {
-            Ok(bytemuck::pod_collect_to_vec(&self.gpu.download(self.memory.get(slot))?))
+            let content = self.gpu.download(self.memory.get(slot))?;
+            self.traffic.came_back(Purpose::State, content.len());
+            Ok(bytemuck::pod_collect_to_vec(&content))
         };
         let double =
             |values: Vec<f32>| -> Vec<f64> { values.into_iter().take(self.memory.len).map(f64::from).collect() };
@@ -334,7 +364,9 @@ impl Resident {
             let record = self.memory.get(Slot::Control);
             encoder.copy_buffer_to_buffer(record, 0, &self.staging, 0, 4 * CONTROL_WORDS as u64);
             self.gpu.inner.queue.submit([encoder.finish()]);
-            let record = Record::of(&self.gpu.read(&self.staging, 4 * CONTROL_WORDS as u64)?);
+            let record = self.gpu.read(&self.staging, 4 * CONTROL_WORDS as u64)?;
+            self.traffic.came_back(Purpose::Step, record.len());
+            let record = Record::of(&record);
             if record.done {
                 if matches!(step.stage, Stage::Implicit { .. }) {
                     self.expected = record.iterations + 1 + record.iterations / 16;
@@ -400,9 +432,9 @@ impl Resident {
         words.extend(numbers.iter().map(|&x| (x as f32).to_bits()));
         // `nothing`, and what fills the last place.
         words.resize(PARAMETER_WORDS, 0);
-        self.gpu.write(self.memory.get(Slot::Parameters), bytemuck::cast_slice(&words));
+        self.send_to(Purpose::Step, self.memory.get(Slot::Parameters), bytemuck::cast_slice(&words));
         for ((factor, _), value) in self.loads.iter().zip(&step.factors) {
-            self.gpu.write(factor, bytemuck::cast_slice(&[*value as f32]));
+            self.send_to(Purpose::Step, factor, bytemuck::cast_slice(&[*value as f32]));
         }
         if let Some((targets, _, _)) = &self.moved {
             let singles: Vec<f32> = step
@@ -414,7 +446,7 @@ impl Resident {
                 })
                 .collect();
             assert_eq!(4 * singles.len() as u64, targets.size(), "one target per moved unknown");
-            self.gpu.write(targets, bytemuck::cast_slice(&singles));
+            self.send_to(Purpose::Step, targets, bytemuck::cast_slice(&singles));
         }
     }
 
@@ -431,7 +463,9 @@ impl Resident {
         let record = self.memory.get(Slot::Control);
         encoder.copy_buffer_to_buffer(record, 0, &self.staging, 0, 4 * CONTROL_WORDS as u64);
         self.gpu.inner.queue.submit([encoder.finish()]);
-        self.gpu.read(&self.staging, 4 * CONTROL_WORDS as u64).map(|_| ())
+        let record = self.gpu.read(&self.staging, 4 * CONTROL_WORDS as u64)?;
+        self.traffic.came_back(Purpose::Step, record.len());
+        Ok(())
     }
 }
 

@@ -1,6 +1,6 @@
 //! A build without graphics devices.
 
-use super::{StepError, Stepped, Transfers};
+use super::{OfNodes, StepError, Stepped, Transfers};
 use crate::gpu::report::AdapterReport;
 use crate::prepare::Prepared;
 use crate::run::LoadError;
@@ -12,6 +12,9 @@ use souple_solver::step::State;
 pub(crate) fn adapters() -> Option<Vec<AdapterReport>> {
     None
 }
+
+/// Nodes that are read by themselves: there are none.
+pub(crate) enum Rows {}
 
 /// A simulation on a device: there is none.
 pub(crate) enum OnDevice {}
@@ -44,6 +47,14 @@ impl OnDevice {
     }
 
     pub(crate) fn read(&self) -> Result<State, String> {
+        match *self {}
+    }
+
+    pub(crate) fn rows(&self, _: &[u32]) -> Result<Rows, String> {
+        match *self {}
+    }
+
+    pub(crate) fn read_rows(&self, _: &Rows, _: OfNodes) -> Result<Vec<f64>, String> {
         match *self {}
     }
 

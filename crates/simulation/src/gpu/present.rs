@@ -3,12 +3,13 @@
 use super::model::{Needs, diagonals, factors, model, preconditioner};
 use super::refuse::refuse;
 use super::report::AdapterReport;
-use super::{StepError, Stepped, Transfers, cache};
+use super::{Moved, OfNodes, StepError, Stepped, Transfers, cache};
 use crate::prepare::Prepared;
 use crate::run::LoadError;
 use crate::system::System;
-use souple_kernels_gpu::resident::{self, Ending, Outcome, Resident, Stage, Start, Step};
-use souple_kernels_gpu::{Adapter, Gpu};
+pub(crate) use souple_kernels_gpu::resident::Rows;
+use souple_kernels_gpu::resident::{self, Ending, Form, Outcome, Resident, Stage, Start, Step};
+use souple_kernels_gpu::{Adapter, DeviceError, Gpu};
 use souple_scene::Scene;
 use souple_scene::integrator::Method;
 use souple_solver::step::State;
@@ -58,7 +59,8 @@ pub(crate) struct OnDevice {
     moved: Vec<u32>,
     /// Room for positions and velocities that motions prescribe.
     prescribed: [Vec<f64>; 2],
-    opened: Transfers,
+    /// Bytes moved before the last step.
+    before_step: Moved,
 }
 
 impl OnDevice {
@@ -72,6 +74,18 @@ impl OnDevice {
     ) -> Result<OnDevice, LoadError> {
         warnings.extend(refuse(scene, file, &system.elements, prepared.constraints.len())?);
         let gpu = open_gpu(name)?;
+        let device = OnDevice::on(&gpu, scene, system).map_err(|e| {
+            LoadError::Refused(format!("{e} (--device gpu{}{name})", if name.is_empty() { "" } else { ":" }))
+        })?;
+        warnings.extend(gpu.take_notes());
+        if let Some(data) = gpu.cache_data() {
+            cache::write(gpu.description(), &data);
+        }
+        Ok(device)
+    }
+
+    /// Puts a system on a device that is open.
+    pub(crate) fn on(gpu: &Gpu, scene: &Scene, system: &System) -> Result<OnDevice, DeviceError> {
         let explicit = scene.integrator.method.value.is_explicit();
         let needs =
             if explicit && scene.integrator.rayleigh.stiffness == 0.0 { Needs::Forces } else { Needs::Products };
@@ -86,17 +100,10 @@ impl OnDevice {
         let preconditioner = preconditioner(scene.linear_solver.preconditioner.value);
         let own = diagonals(system, preconditioner, needs);
         let model = model(system, &own, preconditioner, needs, &moved);
-        let resident =
-            Resident::new(&gpu, &model).map_err(|e| LoadError::Refused(format!("{e} (--device gpu:{name})")))?;
-        warnings.extend(gpu.take_notes());
-        if let Some(data) = gpu.cache_data() {
-            cache::write(gpu.description(), &data);
-        }
+        let resident = Resident::new(gpu, &model)?;
         let room = if moved.is_empty() { 0 } else { system.mass.len() };
         let prescribed = [vec![0.0; room], vec![0.0; room]];
-        let mut device = OnDevice { resident, moved, prescribed, opened: Transfers::default() };
-        device.opened = device.transfers();
-        Ok(device)
+        Ok(OnDevice { resident, moved, prescribed, before_step: Moved::default() })
     }
 
     pub(crate) fn description(&self) -> String {
@@ -104,10 +111,30 @@ impl OnDevice {
         format!("gpu: {} through {} ({}), single precision", d.name, d.interface, d.driver)
     }
 
-    /// Bytes since loading ended.
+    /// Bytes since the system was put on the device.
     pub(crate) fn transfers(&self) -> Transfers {
-        let all = self.resident.gpu().transfers();
-        Transfers { uploaded: all.uploaded - self.opened.uploaded, downloaded: all.downloaded - self.opened.downloaded }
+        let traffic = self.resident.traffic();
+        let [steps, nodes, states] = [traffic.step, traffic.rows, traffic.state]
+            .map(|t| Moved { uploaded: t.uploaded, downloaded: t.downloaded });
+        let uploaded = steps.uploaded + nodes.uploaded + states.uploaded;
+        let downloaded = steps.downloaded + nodes.downloaded + states.downloaded;
+        let last_step = Moved {
+            uploaded: uploaded - self.before_step.uploaded,
+            downloaded: downloaded - self.before_step.downloaded,
+        };
+        Transfers { uploaded, downloaded, steps, nodes, states, last_step }
+    }
+
+    /// Chunks of elements and buffers of contributions that the model was cut into.
+    #[cfg(test)]
+    pub(crate) fn parts(&self) -> [usize; 2] {
+        [self.resident.chunks(), self.resident.segments()]
+    }
+
+    /// What the device counts itself, from its opening on.
+    #[cfg(test)]
+    pub(crate) fn all_transfers(&self) -> souple_kernels_gpu::Transfers {
+        self.resident.gpu().transfers()
     }
 
     pub(crate) fn write(&mut self, state: &State) {
@@ -121,6 +148,21 @@ impl OnDevice {
         Ok(State { u, v, guess: a, ..State::default() })
     }
 
+    /// Prepares the reading of some nodes.
+    pub(crate) fn rows(&self, nodes: &[u32]) -> Result<Rows, String> {
+        self.resident.rows(nodes).map_err(|e| e.to_string())
+    }
+
+    /// Numbers of these nodes, [node, axis].
+    pub(crate) fn read_rows(&self, rows: &Rows, what: OfNodes) -> Result<Vec<f64>, String> {
+        let form = match what {
+            OfNodes::Rounded => Form::Rounded,
+            OfNodes::Displacements => Form::Whole,
+            OfNodes::Velocities => Form::Velocity,
+        };
+        self.resident.read_rows(rows, form).map_err(|e| e.to_string())
+    }
+
     pub(crate) fn undo(&mut self) -> Result<(), String> {
         self.resident.undo().map_err(|e| e.to_string())
     }
@@ -132,6 +174,8 @@ impl OnDevice {
 
     /// A step from time `t`.
     pub(crate) fn step(&mut self, scene: &Scene, system: &System, t: f64) -> Result<Stepped, StepError> {
+        let Transfers { uploaded, downloaded, .. } = self.transfers();
+        self.before_step = Moved { uploaded, downloaded };
         let step = self.numbers(scene, system, t);
         let outcome = self.resident.step(&step).map_err(|e| StepError::Lost(e.to_string()))?;
         if outcome.ending == Ending::Failed {

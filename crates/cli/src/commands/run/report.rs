@@ -18,7 +18,7 @@ pub(super) fn text(summary: &Summary, expectations: &[ExpectationResult], end: &
     let elements: Vec<String> = summary.elements.iter().map(|(id, count)| format!("{count} {id}")).collect();
     let ratio = summary.simulated_s / summary.wall_s.max(1e-9);
     let ms = summary.step_ms;
-    let rows = [
+    let mut rows = vec![
         ("status", status.to_owned()),
         ("mesh", format!("{} nodes, {}", summary.nodes, elements.join(", "))),
         ("device", summary.device.clone()),
@@ -26,8 +26,21 @@ pub(super) fn text(summary: &Summary, expectations: &[ExpectationResult], end: &
         ("time", format!("{} s simulated in {:.3} s: {ratio:.3} × real time", summary.simulated_s, summary.wall_s)),
         ("ms per step", format!("mean {:.3}, median {:.3}, 99 % below {:.3}", ms.mean, ms.p50, ms.p99)),
         ("CG iterations", format!("mean {:.1}, most {}", summary.cg_iterations.mean, summary.cg_iterations.max)),
-        ("results", folder.display().to_string()),
     ];
+    if let Some(moved) = &summary.transfers {
+        let per_step = |bytes: u64| bytes / summary.steps.max(1);
+        rows.push((
+            "moved",
+            format!(
+                "per step {} bytes to the device and {} back; {} bytes of nodes and {} of whole states in all",
+                per_step(moved.steps.uploaded),
+                per_step(moved.steps.downloaded),
+                moved.nodes.uploaded + moved.nodes.downloaded,
+                moved.states.uploaded + moved.states.downloaded
+            ),
+        ));
+    }
+    rows.push(("results", folder.display().to_string()));
     let mut out = String::new();
     for (name, value) in rows {
         out.push_str(&format!("{name:14}{value}\n"));

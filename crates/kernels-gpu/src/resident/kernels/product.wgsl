@@ -9,6 +9,12 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     for (var row = workgroup.x * WORKGROUP + invocation; row < rows; row += stride) {
         let i = row * d;
         var sum = vec3<f32>(0.0f, 0.0f, 0.0f);
+        if (segment[2] != 0u) {
+            // What earlier segments gave comes first, so that the order of a sum does not depend on where it was cut.
+            for (var axis = 0u; axis < d; axis++) {
+                sum[axis] = q[i + axis];
+            }
+        }
         let end = starts[row + 1u];
         for (var k = starts[row]; k < end; k++) {
             let place = places[k];
@@ -21,10 +27,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
             }
         }
         for (var axis = 0u; axis < d; axis++) {
-            var total = sum[axis];
-            if (segment[2] != 0u) {
-                total += q[i + axis];
-            }
+            let total = sum[axis];
             let m = mass[i + axis];
             let x = p[i + axis];
             // Held unknowns have their masses with the sign changed: they take no part.
