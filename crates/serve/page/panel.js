@@ -91,6 +91,8 @@ export function showFrame(header, you) {
     if (![...select.options].some((o) => o.value === speed)) select.add(new Option(`${speed} × real time`, speed));
     select.value = speed;
   }
+  show("warning", header.warning ?? "");
+  by("warning").hidden = !header.warning;
   const inverted = header.inverted ? `${header.inverted} elements are inside out` : "";
   problem([header.error, inverted].filter(Boolean).join("; "));
 }
