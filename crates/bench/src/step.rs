@@ -151,8 +151,8 @@ region = \"x_min\"
 pub struct PhaseSpreads {
     /// Forces.
     pub force: Spread,
-    /// Linearisation, with assembly where there is a matrix.
-    pub linearise: Spread,
+    /// Linearisation, with assembly where there is a matrix; none on a graphics device, where forces contain it.
+    pub linearise: Option<Spread>,
     /// Products of the linear solver.
     pub product: Spread,
     /// The rest of the linear solver: preconditioner, vectors.
@@ -180,8 +180,8 @@ pub struct Report {
     pub step_ms: Spread,
     /// 99 of 100 steps took less, in ms.
     pub step_ms_p99: f64,
-    /// Where it went.
-    pub phases_ms: PhaseSpreads,
+    /// Where it went; none where a graphics device does not tell the time of its work.
+    pub phases_ms: Option<PhaseSpreads>,
 }
 
 /// Runs so many steps of a scene after a few that do not count. `read` gives the bytes of mesh files.
@@ -198,23 +198,42 @@ pub fn measure(
 ) -> Result<Report, StepError> {
     progress(&format!("loading {file}"));
     let (mut simulation, _) = Simulation::load(scene, file, &[], read, options)?;
-    simulation.watch();
+    // Watched, a graphics device makes its steps in more pieces: whole steps are measured first, parts in as many after.
+    let on_graphics = options.device == "gpu" || options.device.starts_with("gpu:");
+    if !on_graphics {
+        simulation.watch();
+    }
     progress(&format!("{} elements, {steps} steps", simulation.element_count()));
     let mut samples: Vec<(f64, PhaseTimes, usize)> = Vec::with_capacity(steps);
-    for made in 0..WARM_UP + steps {
+    let mut parts: Vec<(f64, PhaseTimes, usize)> = Vec::new();
+    let mut told = true;
+    let all = if on_graphics { 2 * steps } else { steps };
+    for made in 0..WARM_UP + all {
+        if made == WARM_UP + steps {
+            simulation.watch();
+        }
         let start = Instant::now();
         let advanced = simulation.advance()?;
         let ms = start.elapsed().as_secs_f64() * 1e3;
-        let phases = simulation.phases().unwrap_or_default();
+        let phases = simulation.phases();
         if made >= WARM_UP {
-            samples.push((ms, phases, advanced.cg_iterations));
+            let sample = (ms, phases.unwrap_or_default(), advanced.cg_iterations);
+            if made < WARM_UP + steps {
+                samples.push(sample);
+            }
+            if !on_graphics || made >= WARM_UP + steps {
+                told &= phases.is_some();
+                parts.push(sample);
+            }
         }
-        if advanced.finished.is_some() && made + 1 < WARM_UP + steps {
-            return Err(StepError::Ended { made: made + 1, wanted: steps });
+        if advanced.finished.is_some() && made + 1 < WARM_UP + all {
+            return Err(StepError::Ended { made: made + 1, wanted: all });
         }
     }
     let of = |pick: &dyn Fn(&(f64, PhaseTimes, usize)) -> f64| samples.iter().map(pick).collect::<Vec<f64>>();
     let spread = |pick: &dyn Fn(&(f64, PhaseTimes, usize)) -> f64| Spread::of(&of(pick));
+    let part =
+        |pick: &dyn Fn(&(f64, PhaseTimes, usize)) -> f64| Spread::of(&parts.iter().map(pick).collect::<Vec<_>>());
     let known = |p: &PhaseTimes| p.force + p.linearise + p.product + p.rest_of_solve;
     let threads = match options.threads {
         0 => std::thread::available_parallelism().map_or(1, usize::from),
@@ -222,20 +241,20 @@ pub fn measure(
     };
     Ok(Report {
         machine: machine(),
-        device: options.device.clone(),
+        device: if on_graphics { simulation.summary().device } else { options.device.clone() },
         threads,
         elements: simulation.element_count(),
         unknowns: simulation.unknowns(),
         iterations: spread(&|s| s.2 as f64).median,
         step_ms: spread(&|s| s.0),
         step_ms_p99: quantile(&of(&|s| s.0), 0.99),
-        phases_ms: PhaseSpreads {
-            force: spread(&|s| s.1.force),
-            linearise: spread(&|s| s.1.linearise),
-            product: spread(&|s| s.1.product),
-            rest_of_solve: spread(&|s| s.1.rest_of_solve),
-            other: spread(&|s| (s.0 - known(&s.1)).max(0.0)),
-        },
+        phases_ms: told.then(|| PhaseSpreads {
+            force: part(&|s| s.1.force),
+            linearise: (!on_graphics).then(|| part(&|s| s.1.linearise)),
+            product: part(&|s| s.1.product),
+            rest_of_solve: part(&|s| s.1.rest_of_solve),
+            other: part(&|s| (s.0 - known(&s.1)).max(0.0)),
+        }),
     })
 }
 

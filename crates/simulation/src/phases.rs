@@ -17,7 +17,7 @@ use std::time::Instant;
 pub struct PhaseTimes {
     /// Forces.
     pub force: f64,
-    /// Linearisation, with assembly where there is a matrix.
+    /// Linearisation, with assembly where there is a matrix; zero on a graphics device, where forces contain it.
     pub linearise: f64,
     /// Products of the linear solver with its matrix.
     pub product: f64,

@@ -397,13 +397,21 @@ impl Simulation {
         ))
     }
 
-    /// Begins to time the parts of steps; from then on [`Simulation::phases`] tells.
+    /// Begins to time the parts of steps; from then on [`Simulation::phases`] tells. On a graphics device every product
+    /// then waits for its own reading of the clock: steps take a little longer.
     pub fn watch(&mut self) {
+        if let Some(remote) = &mut self.on_device {
+            remote.device.watch();
+        }
         self.system.phases = Some(Arc::default());
     }
 
-    /// Time that the parts of steps took since this was last asked, if it is watched; quasi-static steps are not.
+    /// Time that the parts of steps took since this was last asked, if it is watched; quasi-static steps are not,
+    /// nor are those on a graphics device that does not tell the time of its work.
     pub fn phases(&self) -> Option<PhaseTimes> {
+        if let Some(remote) = &self.on_device {
+            return remote.device.phases();
+        }
         self.system.phases.as_ref().map(|phases| phases.take())
     }
 

@@ -148,3 +148,30 @@ fn pipelines_are_kept_and_damage_is_survived() {
     let err = run(&place.path("file"));
     assert!(!err.contains("pipelines-") && !err.contains("compiled again"), "{err}");
 }
+
+/// Steps on a device make the iterations that were asked for, name the adapter, and say where their time went by the
+/// device's clock; what is not measured apart is null and not zero.
+#[test]
+fn steps_are_measured_on_a_device() {
+    let place = Place::new("bench_step_graphics");
+    if !adapter(&place) {
+        return;
+    }
+    let words = "bench step --cells 60 --element tet4 --cg 5 --steps 3 --device gpu";
+    let report = place.souple(&format!("{words} --json")).ends_with(0).json();
+    assert_eq!(report["iterations"], 5.0, "{report}");
+    assert_eq!(report["step_ms"]["rounds"], 3);
+    let doctor = place.souple("doctor --json").ends_with(0).json();
+    let first = &doctor["adapters"][0];
+    assert!(report["device"].as_str().unwrap().contains(first["name"].as_str().unwrap()), "{report}");
+    let phases = &report["phases_ms"];
+    if first["timestamps"] == true {
+        for phase in ["force", "product", "rest_of_solve"] {
+            assert!(phases[phase]["median"].as_f64().unwrap() > 0.0, "{phase}: {report}");
+        }
+        assert!(phases["linearise"].is_null(), "{report}");
+    } else {
+        assert!(phases.is_null(), "{report}");
+    }
+    assert!(place.souple(words).ends_with(0).out.contains("not measured apart"));
+}

@@ -26,6 +26,7 @@ mod segments;
 mod solve;
 mod step;
 mod sums;
+mod times;
 mod traffic;
 mod vectors;
 
@@ -33,4 +34,5 @@ pub use model::{Batch, Model, Preconditioner, Source};
 pub use rows::{Form, Rows};
 pub use step::{Ending, Outcome, Resident, Stage, Start, State, Step};
 pub use sums::row_sums;
+pub use times::Times;
 pub use traffic::Traffic;

@@ -167,6 +167,11 @@ impl Solve {
     /// One iteration, which does nothing after the end.
     pub(super) fn iterate(&self, programs: &Programs, pass: &mut wgpu::ComputePass<'_>) {
         self.product.dispatch(programs, pass);
+        self.update(pass);
+    }
+
+    /// What an iteration does behind its product.
+    pub(super) fn update(&self, pass: &mut wgpu::ComputePass<'_>) {
         self.descend.dispatch(pass);
         self.advance.dispatch(pass);
     }

@@ -6,9 +6,11 @@ use super::kernels::{
 };
 use super::model::{Batch, Model};
 use super::solve::{Solve, Summed, Summing};
+use super::times::{Marks, Part, Times};
 use super::traffic::{Counters, Purpose, Traffic};
 use super::vectors::{Bound, Memory, PARAMETER_WORDS};
 use crate::device::{DeviceError, Gpu, Pipeline};
+use std::sync::{Mutex, PoisonError};
 
 /// The numbers of a step; `ahead` and the rest say which method it is.
 #[derive(Clone, Debug, PartialEq)]
@@ -133,6 +135,8 @@ pub struct Resident {
     reach: f64,
     pub(super) axes: usize,
     expected: usize,
+    /// Where the time of steps went, while that is watched.
+    times: Option<Mutex<Times>>,
 }
 
 /// Iterations that are sent before the first solve tells how many it takes.
@@ -229,6 +233,7 @@ impl Resident {
             reach: model.reach,
             axes,
             expected: FIRST_GUESS,
+            times: None,
             gpu: gpu.clone(),
             programs,
             chunks: all,
@@ -341,9 +346,13 @@ impl Resident {
             Stage::Explicit => (0, 0),
             Stage::Implicit { iterations, .. } => (iterations as usize, self.expected.min(iterations as usize)),
         };
+        let mut marks = self.marks(batch);
         {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            let mut pass = Self::pass(&mut marks, &mut encoder, Part::Force);
             self.right_hand_side(step, &mut pass);
+        }
+        {
+            let mut pass = Self::pass(&mut marks, &mut encoder, Part::Rest);
             match (step.stage, &self.solve) {
                 (Stage::Explicit, _) => self.explicit.dispatch(&mut pass),
                 (Stage::Implicit { .. }, Some(solve)) => solve.prepare(&self.programs, &mut pass),
@@ -353,12 +362,22 @@ impl Resident {
         let mut sent = 0;
         loop {
             batch = batch.min(MOST_AT_ONCE);
-            {
-                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-                if let (Stage::Implicit { .. }, Some(solve)) = (step.stage, &self.solve) {
+            match (step.stage, &self.solve, &mut marks) {
+                (Stage::Implicit { .. }, Some(solve), Some(marks)) => {
+                    for _ in 0..batch {
+                        solve.product(&self.programs, &mut marks.pass(&mut encoder, Part::Product));
+                        solve.update(&mut marks.pass(&mut encoder, Part::Rest));
+                    }
+                }
+                (Stage::Implicit { .. }, Some(solve), None) => {
+                    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
                     (0..batch).for_each(|_| solve.iterate(&self.programs, &mut pass));
                 }
-                self.end_of_step(&mut pass);
+                _ => {}
+            }
+            self.end_of_step(&mut Self::pass(&mut marks, &mut encoder, Part::End));
+            if let Some(marks) = &marks {
+                marks.send(&mut encoder);
             }
             sent += batch;
             let record = self.memory.get(Slot::Control);
@@ -367,6 +386,10 @@ impl Resident {
             let record = self.gpu.read(&self.staging, 4 * CONTROL_WORDS as u64)?;
             self.traffic.came_back(Purpose::Step, record.len());
             let record = Record::of(&record);
+            if let (Some(marks), Some(times)) = (&marks, &self.times) {
+                marks.add_to(&self.gpu, &mut times.lock().unwrap_or_else(PoisonError::into_inner))?;
+                self.traffic.came_back(Purpose::Step, marks.bytes() as usize);
+            }
             if record.done {
                 if matches!(step.stage, Stage::Implicit { .. }) {
                     self.expected = record.iterations + 1 + record.iterations / 16;
@@ -382,6 +405,32 @@ impl Resident {
             }
             batch = sent.max(1);
             encoder = self.gpu.encoder();
+            marks = self.marks(batch);
+        }
+    }
+
+    /// Begins to time the parts of steps, where the device tells the time of its work.
+    pub fn watch(&mut self) {
+        self.times = self.gpu.description().features.timestamps.then(Mutex::default);
+    }
+
+    /// What the parts of steps took since this was last asked; none where that is not watched, or the device does not
+    /// tell.
+    pub fn times(&self) -> Option<Times> {
+        let times = self.times.as_ref()?;
+        Some(std::mem::take(&mut *times.lock().unwrap_or_else(PoisonError::into_inner)))
+    }
+
+    /// Room for the readings of a submission of so many iterations, if somebody watches.
+    fn marks(&self, iterations: usize) -> Option<Marks> {
+        self.times.as_ref().map(|_| Marks::new(&self.gpu, 3 + 2 * iterations.min(MOST_AT_ONCE)))
+    }
+
+    /// A pass that belongs to a part of the step.
+    fn pass<'e>(marks: &mut Option<Marks>, encoder: &'e mut wgpu::CommandEncoder, part: Part) -> wgpu::ComputePass<'e> {
+        match marks {
+            Some(marks) => marks.pass(encoder, part),
+            None => encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default()),
         }
     }
 

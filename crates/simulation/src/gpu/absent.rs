@@ -2,6 +2,7 @@
 
 use super::{OfNodes, StepError, Stepped, Transfers};
 use crate::gpu::report::AdapterReport;
+use crate::phases::PhaseTimes;
 use crate::prepare::Prepared;
 use crate::run::LoadError;
 use crate::system::System;
@@ -59,6 +60,14 @@ impl OnDevice {
     }
 
     pub(crate) fn undo(&mut self) -> Result<(), String> {
+        match *self {}
+    }
+
+    pub(crate) fn watch(&mut self) {
+        match *self {}
+    }
+
+    pub(crate) fn phases(&self) -> Option<PhaseTimes> {
         match *self {}
     }
 

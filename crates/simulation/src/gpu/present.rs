@@ -4,6 +4,7 @@ use super::model::{Needs, diagonals, factors, model, preconditioner};
 use super::refuse::refuse;
 use super::report::AdapterReport;
 use super::{Moved, OfNodes, StepError, Stepped, Transfers, cache};
+use crate::phases::PhaseTimes;
 use crate::prepare::Prepared;
 use crate::run::LoadError;
 use crate::system::System;
@@ -165,6 +166,19 @@ impl OnDevice {
 
     pub(crate) fn undo(&mut self) -> Result<(), String> {
         self.resident.undo().map_err(|e| e.to_string())
+    }
+
+    /// Begins to time the parts of steps.
+    pub(crate) fn watch(&mut self) {
+        self.resident.watch();
+    }
+
+    /// What they took in ms since this was last asked, where the device tells.
+    pub(crate) fn phases(&self) -> Option<PhaseTimes> {
+        let t = self.resident.times()?;
+        // Forces and what products need of them are one program on a device.
+        let (force, product, rest_of_solve) = (1e3 * t.force, 1e3 * t.product, 1e3 * t.rest_of_solve);
+        Some(PhaseTimes { force, linearise: 0.0, product, rest_of_solve })
     }
 
     /// Gives the device up as if its driver had lost it.

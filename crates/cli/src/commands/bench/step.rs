@@ -14,7 +14,8 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  souple bench step --cells 10000 --element tet4 --cg 25 --threads 1\n  \
     souple bench step --cells 3000 --element mixed --law hooke,stvk --tolerance 1e-4 --threads 2\n  \
-    souple bench step --scene scenes/mixed_bar.toml --steps 50 --json\n\n\
+    souple bench step --scene scenes/mixed_bar.toml --steps 50 --json\n  \
+    souple bench step --cells 1000000 --element hex8 --cg 50 --device gpu\n\n\
     A generated bar makes implicit Euler steps, with exactly so many iterations of conjugate gradients, or to a tolerance.")]
 pub(crate) struct Arguments {
     #[command(flatten)]
@@ -137,24 +138,28 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 fn text(report: &Report) -> String {
-    let phases = &report.phases_ms;
+    let phases = report.phases_ms.as_ref();
     let rows: Vec<Vec<String>> = [
-        ("step", &report.step_ms),
-        ("  force", &phases.force),
-        ("  linearise", &phases.linearise),
-        ("  products", &phases.product),
-        ("  rest of solve", &phases.rest_of_solve),
-        ("  other", &phases.other),
+        ("step", Some(&report.step_ms)),
+        ("  force", phases.map(|p| &p.force)),
+        ("  linearise", phases.and_then(|p| p.linearise.as_ref())),
+        ("  products", phases.map(|p| &p.product)),
+        ("  rest of solve", phases.map(|p| &p.rest_of_solve)),
+        ("  other", phases.map(|p| &p.other)),
     ]
-    .map(|(name, ms)| vec![name.to_owned(), spread(ms), format!("{:.3}", ms.least)])
+    .map(|(name, ms)| match ms {
+        Some(ms) => vec![name.to_owned(), spread(ms), format!("{:.3}", ms.least)],
+        None => vec![name.to_owned(), "not measured apart".to_owned(), String::new()],
+    })
     .into();
     format!(
-        "{}\n{} elements, {} unknowns, {} steps of {} iterations, 99 of 100 below {:.3} ms\n\n{}",
+        "{}\n{} elements, {} unknowns, {} steps of {} iterations, {} steps per second, 99 of 100 below {:.3} ms\n\n{}",
         machine_line(&report.machine, &report.device, report.threads),
         report.elements,
         report.unknowns,
         report.step_ms.rounds,
         report.iterations,
+        super::digits(1e3 / report.step_ms.median),
         report.step_ms_p99,
         table(&["", "ms", "least"], &rows)
     )
