@@ -1,6 +1,9 @@
 //! Commands that have a module of their own.
 
+pub(crate) mod compare;
+pub(crate) mod export;
 pub(crate) mod report;
+pub(crate) mod serve;
 
 use souple_campaign::database::{Database, GroupRow, latest_group};
 use souple_campaign::report::{data::Group, read};

@@ -10,8 +10,10 @@
 
 mod bar_in_scene;
 pub mod campaign;
+pub mod compare;
 pub mod database;
 pub mod description;
+pub mod export;
 pub mod folder;
 pub mod folder_scene;
 pub mod group;
@@ -20,6 +22,7 @@ pub mod plan;
 pub mod problem;
 pub mod queue;
 pub mod report;
+pub mod serve;
 mod toml_table;
 pub mod values;
 pub mod worker;

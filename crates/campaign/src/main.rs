@@ -34,6 +34,12 @@ enum Command {
     Run(Run),
     /// Write a page with graphs and a table of a group, which opens in a browser without a network
     Report(commands::report::Arguments),
+    /// Show such pages in a browser while the database is being filled
+    Serve(commands::serve::Arguments),
+    /// Write a group as CSV or Parquet
+    Export(commands::export::Arguments),
+    /// Compare two groups, or one group in two databases
+    Compare(commands::compare::Arguments),
     /// List the groups of a database
     #[command(after_help = "Example: souple campaign list --db campaign.db")]
     List {
@@ -80,6 +86,9 @@ fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Run(arguments) => run(&arguments),
         Command::Report(arguments) => commands::report::run(&arguments),
+        Command::Serve(arguments) => commands::serve::run(&arguments),
+        Command::Export(arguments) => commands::export::run(&arguments),
+        Command::Compare(arguments) => commands::compare::run(&arguments),
         Command::List { db } => list(&db),
         Command::Show { group, db, csv } => show(&db, group.as_deref(), csv.as_deref()),
     };

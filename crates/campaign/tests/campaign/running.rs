@@ -40,10 +40,10 @@ tolerance = 0.1
 "#;
 
 /// A folder of a test's own, removed when the test passes.
-struct Place(PathBuf);
+pub(crate) struct Place(pub(crate) PathBuf);
 
 impl Place {
-    fn new(name: &str, campaign: &str) -> Place {
+    pub(crate) fn new(name: &str, campaign: &str) -> Place {
         let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
         let _ = std::fs::remove_dir_all(&path);
         std::fs::create_dir_all(&path).unwrap();
@@ -52,14 +52,14 @@ impl Place {
         Place(path)
     }
 
-    fn command(&self, words: &str) -> Command {
+    pub(crate) fn command(&self, words: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_souple-campaign"));
         command.args(words.split_whitespace()).current_dir(&self.0);
         command
     }
 
     /// Runs the command to its end and gives what it said.
-    fn succeeds(&self, words: &str) -> (String, String) {
+    pub(crate) fn succeeds(&self, words: &str) -> (String, String) {
         let Output { status, stdout, stderr } = self.command(words).output().unwrap();
         let (out, err) = (String::from_utf8(stdout).unwrap(), String::from_utf8(stderr).unwrap());
         assert!(status.success(), "{status}: {out}{err}");
@@ -92,7 +92,7 @@ impl Drop for Place {
 }
 
 /// `souple` beside `souple-campaign`; it is built where only this package's tests are.
-fn with_souple() {
+pub(crate) fn with_souple() {
     let campaign = Path::new(env!("CARGO_BIN_EXE_souple-campaign"));
     if campaign.with_file_name(format!("souple{}", std::env::consts::EXE_SUFFIX)).is_file() {
         return;

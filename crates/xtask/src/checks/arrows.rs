@@ -69,10 +69,11 @@ const FENCES: &[(&[&str], &[&str], &str)] = &[
     ),
     (&["pyo3", "numpy"], &["souple-python"], "the bindings are the only crate that knows Python"),
     (
-        &["axum", "hyper", "tokio", "tower", "tungstenite", "tiny_http", "futures"],
+        &["axum", "hyper", "tokio", "tower", "tungstenite", "futures"],
         &["souple-serve"],
         "the network is for the server, and most of what it costs to build",
     ),
+    (&["tiny_http", "parquet"], &["souple-campaign"], "reports and exports of many runs are made there"),
     (&["clap"], &["souple-cli", "souple-viewer", "souple-campaign", "souple-serve"], "only programs have arguments"),
     (&["indicatif", "anyhow"], &["souple-cli"], "libraries have typed errors and print nothing"),
 ];
