@@ -5,7 +5,7 @@
 mod read;
 mod write;
 
-pub use read::{GroupRow, Table, groups, latest_group, table};
+pub use read::{GroupRow, Table, Unmet, groups, latest_group, table, unmet};
 pub use write::{Machine, Outcome, add_group, done, record};
 
 use rusqlite::Connection;

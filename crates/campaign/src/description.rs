@@ -21,6 +21,11 @@
 //! samples = 8
 //! seed = 1
 //!
+//! [[case]]                          # changes that belong together; their names vary most quickly, as `case`
+//! name = "fine"
+//! set = { "body.0.mesh.cells" = [80, 8, 8], "expect.0.tolerance" = 1e-4 }
+//! ends = "finished"                 # or: "failed", "invalid"
+//!
 //! [[bar]]                           # crossed with all the above
 //! name = "mixed"
 //! sections = [
@@ -29,7 +34,7 @@
 //! ]
 //! ```
 
-use crate::group::{Bar, BaseScene, Group, Parameter, Section, Source, Value, Variation};
+use crate::group::{Bar, BaseScene, CASE, Case, Ending, Group, Parameter, Section, Source, Value, Variation};
 use crate::problem::Problems;
 use crate::toml_table::{Table, line};
 use crate::values::{End, VALUES_AT_MOST, latin_hypercube, range};
@@ -37,7 +42,7 @@ use souple_simulation::lists::{find_element, find_law};
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 
-const KEYS: &[&str] = &["name", "scene", "devices", "vary", "hypercube", "bar"];
+const KEYS: &[&str] = &["name", "scene", "devices", "case", "vary", "hypercube", "bar"];
 const VARY: &[&str] = &["key", "values", "from", "to", "step", "factor", "low", "high"];
 const SECTION: &[&str] = &["until", "law", "element", "quadrature"];
 
@@ -67,7 +72,12 @@ pub fn parse(
         folder.file_name().filter(|_| root.get("name").is_none()).map(|n| n.to_string_lossy().into_owned())
     });
     let scene = base_scene(&root, folder, read, &mut problems);
-    let (parameters, samples) = parameters(&root, &mut problems);
+    let cases = cases(&root, &mut problems);
+    let (mut parameters, samples) = parameters(&root, &mut problems);
+    if !cases.is_empty() {
+        let values = cases.iter().map(|case| Value::Toml(format!("{:?}", case.name))).collect();
+        parameters.insert(0, Parameter { name: CASE.to_owned(), variation: Variation::List, values });
+    }
     let bars = bars(&root, &mut problems);
     let devices = match root.get("devices") {
         None => Some(vec!["cpu".to_owned()]),
@@ -75,7 +85,7 @@ pub fn parse(
     };
     let group = match (name, scene, devices) {
         (Some(name), Some(scene), Some(devices)) => {
-            Some(Group { name, source: Source::Toml, scene, parameters, samples, bars, devices })
+            Some(Group { name, source: Source::Toml, scene, parameters, samples, cases, bars, devices })
         }
         (None, ..) if problems.0.is_empty() => {
             problems.add(file, 1, "the campaign needs `name`: what the database calls it");
@@ -116,6 +126,9 @@ fn parameters(root: &Table<'_>, problems: &mut Problems) -> (Vec<Parameter>, usi
         let key = table.text_of("key", problems);
         if table.get("key").is_none() {
             table.wrong(&table.span, problems, "[[vary]] needs `key`: a key of the scene as in `souple run --set`");
+        }
+        if key.as_deref() == Some(CASE) {
+            table.wrong(&table.span, problems, "`case` is no key of a scene; write [[case]] with `name` and `set`");
         }
         if let Some(key) = &key
             && parameters.iter().any(|p| p.name == *key)
@@ -207,6 +220,37 @@ fn variation(
             None
         }
     }
+}
+
+fn cases(root: &Table<'_>, problems: &mut Problems) -> Vec<Case> {
+    let mut cases: Vec<Case> = Vec::new();
+    for table in root.tables("case", "[[case]]", problems) {
+        table.only(&["name", "set", "ends"], problems);
+        for (key, about) in [("name", "what the database calls it"), ("set", "keys of the scene and their values")] {
+            if table.get(key).is_none() {
+                table.wrong(&table.span, problems, format!("[[case]] needs `{key}`: {about}"));
+            }
+        }
+        let set = table.table("set", "{ \"key of the scene\" = value }", problems).map_or(Vec::new(), |set| {
+            set.table.iter().map(|(key, v)| (key.get_ref().to_string(), table.text[v.span()].to_owned())).collect()
+        });
+        let ends = match table.text_of("ends", problems).as_deref() {
+            None | Some("finished") => Ending::Finished,
+            Some("failed") => Ending::Failed,
+            Some("invalid") => Ending::Invalid,
+            Some(other) => {
+                let message = format!("`ends` must be \"finished\", \"failed\" or \"invalid\", found \"{other}\"");
+                table.wrong(&table.span, problems, message);
+                Ending::Finished
+            }
+        };
+        let Some(name) = table.text_of("name", problems) else { continue };
+        if cases.iter().any(|c| c.name == name) {
+            table.wrong(&table.span, problems, format!("there is already a case named \"{name}\"; rename this one"));
+        }
+        cases.push(Case { name, set, ends });
+    }
+    cases
 }
 
 fn bars(root: &Table<'_>, problems: &mut Problems) -> Vec<Bar> {

@@ -100,6 +100,7 @@ pub fn parse(
         scene: BaseScene { path: None, text: crate::folder_scene::SCENE.to_owned() },
         parameters,
         samples: 1,
+        cases: Vec::new(),
         bars,
         devices: vec!["cpu".to_owned()],
     });

@@ -18,10 +18,38 @@ pub struct Group {
     pub parameters: Vec<Parameter>,
     /// Number of samples of the Latin hypercube; 1 where no parameter takes part in one.
     pub samples: usize,
+    /// Sets of changes that belong together; none: nothing changes but the parameters. With cases, the first parameter
+    /// is [`CASE`], whose values are their names.
+    pub cases: Vec<Case>,
     /// Bars to put into the base scene; none: the base scene as it stands.
     pub bars: Vec<Bar>,
     /// Devices to compute on, by name; at least one.
     pub devices: Vec<String>,
+}
+
+/// Name of the parameter whose values are the names of the cases.
+pub const CASE: &str = "case";
+
+/// Changes of the base scene that belong together, such as a mesh and what it must give.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Case {
+    /// Its name.
+    pub name: String,
+    /// Keys of the scene and their values as TOML, in the order in which they are set.
+    pub set: Vec<(String, String)>,
+    /// How its simulations must end.
+    pub ends: Ending,
+}
+
+/// How a simulation must end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// At its end or at rest, with all its `[[expect]]` met.
+    Finished,
+    /// It diverges.
+    Failed,
+    /// Its scene is refused.
+    Invalid,
 }
 
 /// Which description a group was read from.

@@ -25,4 +25,5 @@ pub mod report;
 pub mod serve;
 mod toml_table;
 pub mod values;
+pub mod verdict;
 pub mod worker;

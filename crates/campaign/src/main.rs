@@ -3,6 +3,7 @@
 //! | exit code | meaning |
 //! |---|---|
 //! | 0 | every simulation is done and recorded, however it ended |
+//! | 1 | with `--check`: something did not end or measure as the description says |
 //! | 2 | bad input, or something cannot be read, written or started |
 //! | 130 | interrupted; the same command goes on |
 
@@ -14,6 +15,7 @@ use output::{csv, note, say, text_table};
 use souple_campaign::campaign::{prepare, read, results_of, this_machine};
 use souple_campaign::database::{Database, GroupRow, Table, groups, latest_group, table};
 use souple_campaign::queue::{Progress, work};
+use souple_campaign::verdict::differences;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -77,6 +79,9 @@ struct Run {
     /// Repeat simulations that failed or were invalid
     #[arg(long)]
     retry: bool,
+    /// Exit with 1 when a simulation does not end as its case says, or misses an [[expect]]
+    #[arg(long)]
+    check: bool,
     /// The souple program; without it, the one beside this one, or on the search path
     #[arg(long, value_name = "FILE")]
     souple: Option<PathBuf>,
@@ -132,7 +137,13 @@ fn run(arguments: &Run) -> Result<ExitCode, String> {
         say(&format!("{done} of {members} done: {succeeded} came to their end, {} did not", done - succeeded))?;
     }
     if finished {
-        return Ok(ExitCode::SUCCESS);
+        let wrong = if arguments.check {
+            differences(&group, prepared.group, &database).map_err(|e| e.to_string())?
+        } else {
+            Vec::new()
+        };
+        wrong.iter().for_each(|line| note(&format!("not as described: {line}")));
+        return Ok(if wrong.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(1) });
     }
     note("interrupted; the same command goes on");
     Ok(ExitCode::from(130))

@@ -4,7 +4,7 @@
 
 use crate::bar_in_scene;
 use crate::folder_scene;
-use crate::group::{Group, Source, Value, Variation};
+use crate::group::{CASE, Group, Source, Value, Variation};
 use crate::problem::Problems;
 
 /// More simulations in one group are taken for a mistake.
@@ -85,7 +85,12 @@ pub fn plan(group: &Group) -> Result<Vec<Planned>, Problems> {
             (Source::Toml, _) => {
                 let mut all = bar.map_or(Vec::new(), |b| fitted[b].clone());
                 let materials = own.map_or(1, |b| b.sections.len());
-                all.extend(named().flat_map(|(key, value)| assignments(key, value, materials)));
+                // With cases, the first parameter is theirs, and it is the first wheel of the odometer.
+                if let Some(case) = group.cases.get(number % group.cases.len().max(1)) {
+                    all.extend(case.set.iter().map(|(key, value)| format!("{key}={value}")));
+                }
+                let keys = named().filter(|(name, _)| group.cases.is_empty() || *name != CASE);
+                all.extend(keys.flat_map(|(key, value)| assignments(key, value, materials)));
                 all
             }
         };

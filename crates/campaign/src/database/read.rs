@@ -132,3 +132,36 @@ fn read_table(database: &Database, group: i64) -> Result<Table, rusqlite::Error>
     }
     Ok(Table { heads, rows })
 }
+
+/// An `[[expect]]` that a simulation of a group did not meet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unmet {
+    /// The simulation's number in the group.
+    pub number: i64,
+    /// What was expected, as the summary names it.
+    pub name: String,
+    /// Distance from the expected value; none where nothing was measured.
+    pub difference: Option<f64>,
+    /// The largest distance that is allowed.
+    pub tolerance: f64,
+}
+
+/// The expectations that the simulations of a group did not meet, in their order.
+///
+/// # Errors
+///
+/// When the database cannot be read.
+pub fn unmet(database: &Database, group: i64) -> Result<Vec<Unmet>, DatabaseError> {
+    let read = || -> Result<Vec<Unmet>, rusqlite::Error> {
+        let mut query = database.connection.prepare(
+            "SELECT m.number, e.name, e.difference, e.tolerance FROM members m JOIN simulations s ON s.hash = m.hash
+             JOIN errors e ON e.simulation_id = s.id WHERE m.group_id = ?1 AND e.met = 0
+             ORDER BY m.number, e.position",
+        )?;
+        let unmet = |row: &Row<'_>| {
+            Ok(Unmet { number: row.get(0)?, name: row.get(1)?, difference: row.get(2)?, tolerance: row.get(3)? })
+        };
+        query.query_map([group], unmet)?.collect()
+    };
+    read().map_err(|e| database.failed(e))
+}

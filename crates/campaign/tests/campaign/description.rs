@@ -147,3 +147,42 @@ fn what_does_not_fit_is_refused() {
     let group = read(&format!("scene = \"bar.toml\"\n{}{}", vary(0), vary(1))).unwrap();
     assert!(plan(&group).unwrap_err().to_string().contains("more than 1000000 simulations"));
 }
+
+/// The changes of a case go together, are crossed with what varies, and their names are the values of `case`.
+#[test]
+fn cases_change_what_belongs_together() {
+    let text = r#"
+name = "cases"
+scene = "bar.toml"
+[[case]]
+name = "coarse"
+set = { "body.0.mesh.cells" = [2, 1, 1], "time.end" = 0.2 }
+[[case]]
+name = "refused"
+set = { "body.0.density" = -1 }
+ends = "invalid"
+[[vary]]
+key = "time.step"
+values = [0.01, 0.02]
+"#;
+    let group = read(text).unwrap_or_else(|problems| panic!("{problems}"));
+    let simulations = plan(&group).unwrap_or_else(|problems| panic!("{problems}"));
+    let changes: Vec<Vec<&str>> =
+        simulations.iter().map(|s| s.overrides.iter().map(String::as_str).collect()).collect();
+    let coarse = ["body.0.mesh.cells=[2, 1, 1]", "time.end=0.2"];
+    assert_eq!(
+        changes,
+        [
+            vec![coarse[0], coarse[1], "time.step=0.01"],
+            vec!["body.0.density=-1", "time.step=0.01"],
+            vec![coarse[0], coarse[1], "time.step=0.02"],
+            vec!["body.0.density=-1", "time.step=0.02"],
+        ]
+    );
+    assert_eq!(simulations[1].values[0].to_string(), "\"refused\"");
+    let wrong = text.replace("ends = \"invalid\"", "ends = \"well\"").replace("\"refused\"", "\"coarse\"");
+    let problems = read(&wrong.replace("time.step", "case")).unwrap_err().to_string();
+    for part in ["campaign.toml:7: `ends` must be", "already a case named", "`case` is no key of a scene"] {
+        assert!(problems.contains(part), "{part} is missing in\n{problems}");
+    }
+}

@@ -10,3 +10,4 @@ mod export;
 mod report;
 mod running;
 mod serve;
+mod shipped;

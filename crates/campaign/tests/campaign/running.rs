@@ -165,6 +165,34 @@ fn failures_stay_alone() {
     assert!(no.status.code() == Some(2) && String::from_utf8_lossy(&no.stderr).contains("has no group other"));
 }
 
+/// `--check` passes when every simulation ends as its case says and meets what its scene expects, and says what does not.
+#[test]
+fn check_compares_with_what_is_described() {
+    with_souple();
+    let case = |name: &str, set: &str, ends: &str| {
+        format!("[[case]]\nname = \"{name}\"\nset = {{ {set} }}\nends = \"{ends}\"\n")
+    };
+    let right = [
+        case("fine", "\"expect.0.value\" = 0.0", "finished"),
+        case("diverging", "\"time.step\" = 0.5, \"time.end\" = 50", "failed"),
+        case("refused", "\"body.0.density\" = -1", "invalid"),
+    ];
+    let head = "name = \"checked\"\nscene = \"bar.toml\"\n";
+    let place = Place::new("checked", &(head.to_owned() + &right.concat()));
+    place.succeeds("run . --check --jobs 2");
+    let wrong = [
+        case("missed", "\"expect.0.value\" = 5.0", "finished"),
+        case("not refused", "\"body.0.density\" = 900", "invalid"),
+    ];
+    std::fs::write(place.0.join("campaign.toml"), head.to_owned() + &wrong.concat()).unwrap();
+    let out = place.command("run . --check --jobs 2").output().unwrap();
+    let said = String::from_utf8(out.stderr).unwrap();
+    assert_eq!(out.status.code(), Some(1), "{said}");
+    assert!(said.contains("(missed): tip") && said.contains("is off by"), "{said}");
+    assert!(said.contains("(not refused) should be invalid and is finished"), "{said}");
+    place.succeeds("run . --jobs 2");
+}
+
 /// A run that is killed again and again, each time at another moment, ends in the table of one that was not; every
 /// simulation is there once, and none that was recorded ran again.
 #[test]
