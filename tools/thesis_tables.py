@@ -190,7 +190,7 @@ def explicit(found):
 
 
 def torsion(found):
-    lines = ["edge", "opposite edge", "middle of a face", "middle of the next face", "axis"]
+    lines = ["edge", "next edge", "middle of a face", "middle of the next face", "axis"]
     reference = {line: found[0].curve(line) for line in lines}
     rows = []
     for run in found[1:]:
