@@ -36,7 +36,8 @@ pub fn differences(group: &Group, id: i64, database: &Database) -> Result<Vec<St
                 Ending::Invalid => "invalid",
             };
             let reason = cell(row, "reason");
-            let reason = reason.lines().next().filter(|line| !line.is_empty()).map_or(String::new(), |l| format!(": {l}"));
+            let reason =
+                reason.lines().next().filter(|line| !line.is_empty()).map_or(String::new(), |l| format!(": {l}"));
             all.push(format!("{who} should be {word} and is {status}{reason}"));
         }
         if expected == Ending::Finished {
