@@ -16,6 +16,7 @@ use super::scene::{Scenes, value};
 use super::units::unit_of_quantity;
 use serde::Serialize;
 use souple_simulation::scene::Scene;
+use souple_simulation::scene::integrator::Method;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What a quantity is about.
@@ -66,7 +67,12 @@ pub fn derive(group: &Group) -> Derived {
         .simulations
         .iter()
         .zip(&all)
-        .map(|(s, scene)| cantilever(scene.as_ref()?, &s.done.as_ref()?.materials))
+        .map(|(s, scene)| {
+            let (scene, done) = (scene.as_ref()?, s.done.as_ref()?);
+            // What still moves at its end is compared with no balance.
+            let balanced = done.status == "at rest" || scene.integrator.method.value == Method::QuasiStatic;
+            cantilever(scene, &done.materials).filter(|_| balanced)
+        })
         .collect();
     let cells: Vec<Option<f64>> = all.iter().map(|scene| cell_edge(scene.as_ref()?)).collect();
     let references = references(group);

@@ -61,10 +61,10 @@ function visible(data) {
  * Curves: simulations that agree in all factors but those of `along`.
  *
  * Colour and marker follow the factor with the most values among those that are left, dashes the others together, so that
- * what belongs together looks alike. Drawn factors (of a hypercube) tell nothing apart: all of their samples are one cloud.
+ * what belongs together looks alike. Drawn factors (of a hypercube) tell nothing apart: all of their samples are one cloud, unless `drawnToo`.
  */
-function grouped(data, indices, along) {
-  const splitting = data.varying.filter((f) => !along.includes(f) && !f.drawn);
+function grouped(data, indices, along, drawnToo = false) {
+  const splitting = data.varying.filter((f) => !along.includes(f) && (drawnToo || !f.drawn));
   const bySize = [...splitting].sort((a, b) => Number(a.numeric) - Number(b.numeric) || b.distinct.length - a.distinct.length);
   const main = bySize[0] ?? null;
   const others = splitting.filter((f) => f !== main);

@@ -121,7 +121,8 @@ function deflectionView(data, pick) {
     }));
     const indices = visible(data).filter((at) => curveOf.has(at));
     const along = chosen.curves === "finest" ? data.varying.filter((f) => f.numerical && nodes && follows(data, f, (at) => nodes.values[at])) : [];
-    const groups = grouped(data, indices, along);
+    // Samples of a hypercube are different bars.
+    const groups = grouped(data, indices, along, true);
     const size = (at) => nodes?.values[at] ?? 0;
     const series = groups.map((g) => {
       const at = g.members.reduce((best, other) => (size(other) > size(best) ? other : best));
@@ -188,7 +189,8 @@ function errorView(data, pick) {
       // Along a curve the resolution grows, also where times go up and down.
       members.sort((a, b) => size.of(a) - size.of(b));
       const points = members.map((at) => withReference(data, at, point(data, at, axis.of(at), error.of(at), along)));
-      return { ...g, line: true, points, slope: slopes ? fittedSlope(points) : null };
+      const cloud = data.varying.some((f) => f.drawn);
+      return { ...g, line: !cloud, points, slope: slopes && !cloud ? fittedSlope(points) : null };
     }).filter((s) => s.points.length);
     // The menu says which error; beside a narrow graph there is no room for its name.
     const label = { ...error, label: "error", log: true };
