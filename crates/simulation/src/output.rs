@@ -1,6 +1,7 @@
 //! What leaves a simulation: pictures of a state, summaries, checkpoints.
 
 use crate::gpu::Transfers;
+use crate::interaction::ByHand;
 use crate::prepare::PreparedBody;
 use crate::probes::{Measured, ProbeValue};
 use crate::run::{Ending, RunError, Simulation};
@@ -213,10 +214,26 @@ impl Simulation {
         Ok(frames)
     }
 
-    /// The whole state, for [`Simulation::restore`].
+    /// The whole state, and what was changed by hand, for [`Simulation::restore`].
     pub fn checkpoint(&self) -> Vec<u8> {
+        let by_hand = self.changed_by_hand();
+        if by_hand.is_empty() {
+            let mut bytes = MAGIC.to_vec();
+            bytes.extend(self.state_bytes());
+            return bytes;
+        }
+        let text = serde_json::to_vec(&by_hand).expect("numbers and lists of numbers are JSON");
+        let mut bytes = MAGIC_BY_HAND.to_vec();
+        bytes.extend_from_slice(&(text.len() as u64).to_le_bytes());
+        bytes.extend(text);
+        bytes.extend(self.state_bytes());
+        bytes
+    }
+
+    /// The state alone, for [`Simulation::restore_state`].
+    pub(crate) fn state_bytes(&self) -> Vec<u8> {
         let (steps, t, state) = self.saved();
-        let mut bytes = MAGIC.to_vec();
+        let mut bytes = Vec::new();
         let mut put = |x: f64| bytes.extend_from_slice(&x.to_bits().to_le_bytes());
         put(steps as f64);
         put(t);
@@ -238,14 +255,35 @@ impl Simulation {
         bytes
     }
 
-    /// Goes back to a checkpoint of the same scene.
+    /// Goes back to a checkpoint of the same scene, with what had been changed by hand then
+    /// ([`Simulation::changed_by_hand`]) and without what has been changed since.
     ///
     /// # Errors
-    /// When the bytes are not a checkpoint, or one of another model.
+    /// When the bytes are not a checkpoint, one of another model, or changed what cannot be changed here.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), RunError> {
-        let refuse = |message: &str| RunError { message: format!("the checkpoint cannot be used: {message}") };
-        let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| refuse("it is not one of this program"))?;
-        let (words, tail) = rest.as_chunks::<8>();
+        let (by_hand, state) = match (bytes.strip_prefix(MAGIC), bytes.strip_prefix(MAGIC_BY_HAND)) {
+            (Some(state), _) => (ByHand::default(), state),
+            (_, Some(rest)) => {
+                let (count, rest) = rest.split_first_chunk().ok_or_else(|| refuse("it is truncated"))?;
+                let count = usize::try_from(u64::from_le_bytes(*count)).unwrap_or(usize::MAX);
+                let (text, state) = rest.split_at_checked(count).ok_or_else(|| refuse("it is truncated"))?;
+                let read = serde_json::from_slice(text);
+                (read.map_err(|e| refuse(&format!("what was changed by hand is damaged: {e}")))?, state)
+            }
+            _ => return Err(refuse("it is not one of this program")),
+        };
+        let controls = by_hand.over(&self.scene_controls).map_err(|e| refuse(&e.to_string()))?;
+        let before = self.controls.clone();
+        self.set_controls(&controls).map_err(|e| refuse(&e.to_string()))?;
+        self.restore_state(state).inspect_err(|_| {
+            // These were accepted before.
+            let _ = self.set_controls(&before);
+        })
+    }
+
+    /// Goes back to a state; what was changed by hand stays.
+    pub(crate) fn restore_state(&mut self, bytes: &[u8]) -> Result<(), RunError> {
+        let (words, tail) = bytes.as_chunks::<8>();
         if !tail.is_empty() {
             return Err(refuse("it is truncated"));
         }
@@ -301,5 +339,11 @@ fn of_all_elements(body: &PreparedBody, numbers: &[(ElementId, u32)], components
     all
 }
 
-/// First bytes of a checkpoint.
+fn refuse(message: &str) -> RunError {
+    RunError { message: format!("the checkpoint cannot be used: {message}") }
+}
+
+/// First bytes of a checkpoint: the state follows.
 const MAGIC: &[u8] = b"souple checkpoint 1\n";
+/// First bytes of a checkpoint with changes by hand: their length in bytes, they as JSON, and the state follow.
+const MAGIC_BY_HAND: &[u8] = b"souple checkpoint 2\n";

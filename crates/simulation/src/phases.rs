@@ -1,7 +1,7 @@
 //! How long the parts of implicit steps take, for whoever asks; a look at the clock per call, nothing when nobody does.
 //!
 //! ```text
-//! step = force + linearise (assembly included) + products of the linear solver + the rest of the solver + other
+//! step = contact + force + linearise (assembly included) + products of the linear solver + the rest of the solver + other
 //! ```
 //!
 //! The integrators and the linear solver see the same system through [`Watched`] and the same matrix through
@@ -15,6 +15,8 @@ use std::time::Instant;
 /// Time spent since it was last asked for, in ms.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PhaseTimes {
+    /// Finding what hands and tools touch, and their forces.
+    pub contact: f64,
     /// Forces.
     pub force: f64,
     /// Linearisation, with assembly where there is a matrix; zero on a graphics device, where forces contain it.
@@ -28,6 +30,7 @@ pub struct PhaseTimes {
 /// Sums of time, in ns. Atomic, because an operator is shared while it is applied.
 #[derive(Debug, Default)]
 pub(crate) struct Phases {
+    contact: AtomicU64,
     force: AtomicU64,
     linearise: AtomicU64,
     product: AtomicU64,
@@ -40,7 +43,21 @@ impl Phases {
         let ms = |sum: &AtomicU64| sum.swap(0, Ordering::Relaxed) as f64 * 1e-6;
         let product = ms(&self.product);
         let rest_of_solve = (ms(&self.solve) - product).max(0.0);
-        PhaseTimes { force: ms(&self.force), linearise: ms(&self.linearise), product, rest_of_solve }
+        PhaseTimes {
+            contact: ms(&self.contact),
+            force: ms(&self.force),
+            linearise: ms(&self.linearise),
+            product,
+            rest_of_solve,
+        }
+    }
+}
+
+/// What happens at the beginning of a step, timed where somebody watches.
+pub(crate) fn timed_contact(phases: Option<&Phases>, work: impl FnOnce()) {
+    match phases {
+        Some(phases) => timed(&phases.contact, work),
+        None => work(),
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::gpu::{self, OnDevice};
 use crate::interaction::{Controls, Interaction};
 use crate::motion::{Motion, Turn};
-use crate::phases::{PhaseTimes, Watched};
+use crate::phases::{PhaseTimes, Watched, timed_contact};
 use crate::prepare::{self, PrepareError, Prepared};
 use crate::probes::{ExpectationResult, Measured, ProbeValue};
 use crate::remote::{Known, Probed};
@@ -136,6 +136,8 @@ pub struct Simulation {
     pub(crate) started: Instant,
     /// What a person may change.
     pub(crate) controls: Controls,
+    /// What the scene gives for them.
+    pub(crate) scene_controls: Controls,
     residual: f64,
     endless: bool,
     pub(crate) interaction: Interaction,
@@ -272,8 +274,10 @@ impl Simulation {
             remote.device.write(&state);
             remote.energy = kinetic(&state.v, &system.mass);
         }
+        let controls = Simulation::initial_controls(&scene, &prepared);
         let mut simulation = Simulation {
-            controls: Simulation::initial_controls(&scene, &prepared),
+            scene_controls: controls.clone(),
+            controls,
             interaction: Interaction::default(),
             residual: 0.0,
             endless: false,
@@ -332,7 +336,8 @@ impl Simulation {
         if self.ending.is_none() {
             self.not_lost()?;
             let before = Instant::now();
-            self.begin_step();
+            let phases = self.system.phases.clone();
+            timed_contact(phases.as_deref(), || self.begin_step());
             let threads = self.system.threads.clone();
             let outcome = if self.on_device.is_some() {
                 self.step_on_device(&mut warnings)

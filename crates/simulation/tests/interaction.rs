@@ -247,6 +247,49 @@ fn a_session_is_repeated_to_the_last_bit() {
     assert!(headless.checkpoint() == checkpoint, "another trajectory");
 }
 
+/// A checkpoint carries what was changed by hand: a run that begins with it takes the same steps, to the last bit. One
+/// without changes undoes those that were made since, and a damaged one changes nothing.
+#[test]
+fn checkpoints_carry_what_was_changed_by_hand() {
+    let mut live = bar("gravity = [0.0, -9.81, 0.0]");
+    live.run_on();
+    let untouched = live.checkpoint();
+    steps(&mut live, 3);
+    let corner = node_at(&live, [0.4, 0.0, 0.0]);
+    let tool = Tool { ends: [[0.3, 0.13, 0.05]; 2], velocity: [0.0; 3], radius: 0.04, stiffness: 1e4, damping: 0.5 };
+    let changes = [
+        pull(&live, 123.456_789_012_345_67),
+        Change::Gravity([0.1, -1.6, 0.3]),
+        Change::TimeStep(0.007),
+        Change::VelocityDamping(0.3),
+        Change::Parameter { block: 0, parameter: 0, value: 1e5 / 3.0 },
+        Change::Tool(Some(tool)),
+        Change::Hold(vec![corner]),
+        Change::Free(vec![node_at(&live, [0.0, 0.0, 0.0])]),
+    ];
+    changes.iter().for_each(|change| change.make(&mut live).unwrap());
+    steps(&mut live, 4);
+    assert_eq!(live.changed_by_hand().words().len(), 8);
+    let checkpoint = live.checkpoint();
+
+    let mut resumed = bar("gravity = [0.0, -9.81, 0.0]");
+    resumed.run_on();
+    resumed.restore(&checkpoint).unwrap();
+    assert_eq!(resumed.controls(), live.controls());
+    steps(&mut live, 5);
+    steps(&mut resumed, 5);
+    assert!(resumed.checkpoint() == live.checkpoint(), "another trajectory");
+
+    for end in [25, 40, checkpoint.len() - 8] {
+        let before = resumed.controls().clone();
+        assert!(resumed.restore(&checkpoint[..end]).is_err(), "{end} bytes");
+        assert_eq!(*resumed.controls(), before);
+    }
+    resumed.restore(&untouched).unwrap();
+    assert!(resumed.changed_by_hand().is_empty());
+    assert!(resumed.checkpoint() == untouched);
+}
+
 /// Pause stops time, steps by number make exactly these, and going back shows the past; going on from there forgets what
 /// came after.
 #[test]

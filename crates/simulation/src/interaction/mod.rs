@@ -7,10 +7,12 @@
 //!
 //! Nothing here knows a window or a clock: the same controls at the same steps give the same trajectory, whoever sets them.
 
+mod by_hand;
 mod contact;
 mod controls;
 mod touch;
 
+pub use by_hand::{ByHand, ChangedParameter};
 pub use controls::{ControlError, Controls, Pull, Tool};
 
 pub(crate) use touch::Touch;
@@ -47,6 +49,11 @@ impl Simulation {
     /// What a person may change, as it is now.
     pub fn controls(&self) -> &Controls {
         &self.controls
+    }
+
+    /// Where they differ from those that the scene gives.
+    pub fn changed_by_hand(&self) -> ByHand {
+        ByHand::between(&self.scene_controls, &self.controls)
     }
 
     /// What a scene starts with.

@@ -51,7 +51,7 @@ pub enum Command {
     /// Writes a series for ParaView into this folder from now on, a frame whenever this much time in s has passed; `None`
     /// ends it.
     Record(Option<(PathBuf, f64)>),
-    /// Writes a checkpoint that `souple run --resume` takes, and the script beside it.
+    /// Writes a checkpoint that `souple run --resume` takes, changes by hand included, and the script beside it.
     Save(PathBuf),
     /// Gives the state as a checkpoint, and the script that led to it.
     Give(Sender<(Vec<u8>, Script)>),
@@ -81,6 +81,8 @@ pub struct Sample {
 /// What is to be seen at one moment.
 #[derive(Clone, Debug, Default)]
 pub struct Snapshot {
+    /// How many were offered before this one, and this one: another number, another snapshot.
+    pub number: u64,
     /// Steps made so far.
     pub step: u64,
     /// Simulated time in s.

@@ -48,6 +48,7 @@ pub(super) struct Worker {
     warnings: Vec<String>,
     controls: Arc<Controls>,
     published: Instant,
+    offered: u64,
     factor: f64,
     stepped: Option<(Instant, f64)>,
 }
@@ -63,7 +64,7 @@ impl Worker {
         wake: Box<dyn Fn() + Send>,
     ) -> Worker {
         let controls = Arc::new(simulation.controls().clone());
-        let first = Entry { step: simulation.steps, checkpoint: simulation.checkpoint(), controls: controls.clone() };
+        let first = Entry { step: simulation.steps, checkpoint: simulation.state_bytes(), controls: controls.clone() };
         let now = Instant::now();
         Worker {
             history: History::new(options.history_bytes, first),
@@ -84,6 +85,7 @@ impl Worker {
             warnings,
             controls,
             published: now,
+            offered: 0,
             factor: 0.0,
             stepped: None,
         }
@@ -207,7 +209,7 @@ impl Worker {
     fn go_to(&mut self, step: u64) -> Result<(), RunError> {
         let entry = self.history.before(step);
         self.simulation.set_controls(&entry.controls).map_err(|e| RunError { message: e.to_string() })?;
-        self.simulation.restore(&entry.checkpoint)?;
+        self.simulation.restore_state(&entry.checkpoint)?;
         replay(&mut self.simulation, &self.script, step)?;
         self.controls = Arc::new(self.simulation.controls().clone());
         Ok(())
@@ -252,7 +254,7 @@ impl Worker {
         }
         let (simulation, controls) = (&self.simulation, &self.controls);
         let entry =
-            || Entry { step: simulation.steps, checkpoint: simulation.checkpoint(), controls: controls.clone() };
+            || Entry { step: simulation.steps, checkpoint: simulation.state_bytes(), controls: controls.clone() };
         self.history.note(simulation.steps, entry);
         if let Some(recorder) = &mut self.recorder
             && let Err(error) = recorder.note(&mut self.simulation)
@@ -299,6 +301,8 @@ impl Worker {
     fn publish(&mut self) {
         let simulation = &mut self.simulation;
         let out = &mut *self.snapshots.own;
+        self.offered += 1;
+        out.number = self.offered;
         out.step = simulation.steps;
         out.time = simulation.time();
         out.positions.clear();

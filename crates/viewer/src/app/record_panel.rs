@@ -48,8 +48,8 @@ pub(super) fn ui(running: &mut Running, ui: &mut Ui) {
                 }
             }
         }
-        let hint = "For `souple run --resume --out` with this folder. What was changed by hand is not in it: \
-                    the changes are in checkpoint.json beside it.";
+        let hint = "For `souple run --resume --out` with this folder, with what was changed by hand. \
+                    Every change with its time is in checkpoint.json beside it.";
         if ui.button("Save a checkpoint").on_hover_text(hint).clicked() {
             running.session.send(Command::Save(folder.join("checkpoint.bin")));
         }

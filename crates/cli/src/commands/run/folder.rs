@@ -73,6 +73,10 @@ impl Folder {
         }
         let bytes = files::read(&path)?;
         simulation.restore(&bytes).map_err(|e| input(format!("{}: {e}", path.display())))?;
+        let changes = simulation.changed_by_hand();
+        if !changes.is_empty() {
+            eprintln!("{}: goes on with what was changed by hand: {}", path.display(), changes.words().join(", "));
+        }
         let bodies = simulation.scene().bodies.iter().map(|b| &b.value.name.value);
         if let Some(list) = bodies.map(|name| self.path.join(format!("{name}.pvd"))).find(|p| p.is_file()) {
             self.times = times(&files::read_text(&list)?);
