@@ -279,6 +279,27 @@ impl Elements {
         self.collect(1.0, out);
     }
 
+    /// Forces of each element alone on its nodes in N, [local node], axes beyond those of the space being zero, with its
+    /// number, in the order of the blocks.
+    pub fn each_nodal_force(&mut self, u: &[f64], mut give: impl FnMut(u32, &[[f64; 3]])) {
+        let mut forces = Vec::new();
+        let d = self.dimension;
+        for block in &mut self.blocks {
+            let kernel = block.kernels.force.clone();
+            block.run(&kernel, Family::Elastic, Some(u), None, Destination::Partial, &self.threads, &mut self.scratch);
+            let n = block.spec.element.node_count();
+            for (element, &id) in block.spec.ids.iter().enumerate() {
+                let (group, lane) = (element / LANES, element % LANES);
+                let value = |row: usize| block.partial[(group * n * d + row) * LANES + lane];
+                forces.clear();
+                forces.extend(
+                    (0..n).map(|a| -> [f64; 3] { std::array::from_fn(|k| if k < d { value(a * d + k) } else { 0.0 }) }),
+                );
+                give(id, &forces);
+            }
+        }
+    }
+
     /// Prepares [`Elements::add_tangent`] at `u`.
     pub fn linearise(&mut self, u: &[f64]) {
         if self.tangent == Tangent::Projected {

@@ -22,17 +22,26 @@ pub enum ElementField {
     LargestStretch,
     /// Smallest principal stretch of the mean strain.
     SmallestStretch,
+    /// R_L: how much the edge that changed most changed its length.
+    LengthChange,
+    /// R_A: how much the area or volume changed.
+    VolumeChange,
+    /// R_S: mean over the element of the sizes of its nodal forces, in N.
+    MeanForce,
 }
 
 impl ElementField {
     /// Every field.
-    pub const ALL: [ElementField; 6] = [
+    pub const ALL: [ElementField; 9] = [
         ElementField::VonMises,
         ElementField::VolumeRatio,
         ElementField::SmallestJ,
         ElementField::EnergyDensity,
         ElementField::LargestStretch,
         ElementField::SmallestStretch,
+        ElementField::LengthChange,
+        ElementField::VolumeChange,
+        ElementField::MeanForce,
     ];
 
     /// What people read.
@@ -44,6 +53,9 @@ impl ElementField {
             ElementField::EnergyDensity => "energy density",
             ElementField::LargestStretch => "largest stretch",
             ElementField::SmallestStretch => "smallest stretch",
+            ElementField::LengthChange => "R_L, change of edge length",
+            ElementField::VolumeChange => "R_A, change of area or volume",
+            ElementField::MeanForce => "R_S, mean nodal force",
         }
     }
 
@@ -52,6 +64,7 @@ impl ElementField {
         match self {
             ElementField::VonMises => "Pa",
             ElementField::EnergyDensity => "J/m³",
+            ElementField::MeanForce => "N",
             _ => "",
         }
     }
@@ -71,6 +84,11 @@ impl Simulation {
     /// When the device refuses the program that computes it.
     pub fn element_field(&mut self, field: ElementField) -> Result<Vec<f64>, RunError> {
         self.fetch();
+        match field {
+            ElementField::LengthChange => return Ok(self.length_changes()),
+            ElementField::MeanForce => return Ok(self.mean_forces()),
+            _ => {}
+        }
         let mut values = vec![0.0; self.element_count()];
         let average = match field {
             ElementField::VonMises => Some(Average::Stress),
@@ -101,9 +119,28 @@ impl Simulation {
             _ => {
                 elements.each_volume(u, |id, volume| values[id as usize] = volume);
                 elements.each_volume(&rest, |id, volume| values[id as usize] /= volume);
+                if field == ElementField::VolumeChange {
+                    values.iter_mut().for_each(|v| *v = (*v - 1.0).abs());
+                }
             }
         }
         Ok(values)
+    }
+
+    /// Which rows of the matrix each element belongs to: the number of the part that its first node's row is in. Parts
+    /// are what threads share when they multiply with the matrix; they follow from the mesh alone, not from the number of
+    /// threads. Without a matrix there is one part.
+    pub fn parts_of_elements(&self) -> Vec<u32> {
+        let ends = self.system.ends_of_parts();
+        let mut parts = vec![0; self.element_count()];
+        for block in &self.prepared.blocks {
+            let nodes = block.connectivity.chunks(block.element.node_count());
+            for (&id, nodes) in block.ids.iter().zip(nodes) {
+                let first = nodes.iter().min().map_or(0, |&n| n as usize);
+                parts[id as usize] = ends.partition_point(|&end| end <= first) as u32;
+            }
+        }
+        parts
     }
 
     /// Strain energy of all elements in J.

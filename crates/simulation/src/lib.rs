@@ -1,5 +1,6 @@
 //! The one door for applications: from a scene to a model, from a model to states, probes and results.
 
+mod criteria;
 pub mod derive_report;
 mod fields;
 pub mod gpu;

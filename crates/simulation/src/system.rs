@@ -181,6 +181,11 @@ impl System {
         system
     }
 
+    /// The row after the last of each part in which products with the matrix are made; none without a matrix.
+    pub(crate) fn ends_of_parts(&self) -> Vec<usize> {
+        self.matrices.as_ref().map_or(Vec::new(), |m| m.stiffness.parts().iter().map(|p| p.end).collect())
+    }
+
     /// Settles which unknowns the solvers leave alone, once all are prescribed that will be. A following node cannot be
     /// prescribed: it does what its masters do.
     pub(crate) fn settle(&mut self) {

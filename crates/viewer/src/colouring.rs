@@ -19,6 +19,8 @@ pub enum ColourBy {
     Material,
     /// Body.
     Body,
+    /// Part of the matrix' rows, as threads share products with it.
+    Part,
     /// Length of the displacement.
     Displacement,
     /// Shape quality at rest.
@@ -35,6 +37,7 @@ pub fn choices() -> Vec<(ColourBy, &'static str, &'static str)> {
         (ColourBy::Law, "law", "law"),
         (ColourBy::Material, "material", "material"),
         (ColourBy::Body, "body", "body"),
+        (ColourBy::Part, "part", "part of the matrix"),
         (ColourBy::Displacement, "displacement", "displacement"),
         (ColourBy::Quality, "quality", "shape quality"),
     ];
@@ -46,6 +49,9 @@ pub fn choices() -> Vec<(ColourBy, &'static str, &'static str)> {
             ElementField::EnergyDensity => "energy-density",
             ElementField::LargestStretch => "largest-stretch",
             ElementField::SmallestStretch => "smallest-stretch",
+            ElementField::LengthChange => "r-l",
+            ElementField::VolumeChange => "r-a",
+            ElementField::MeanForce => "r-s",
         };
         all.push((ColourBy::Field(field), key, field.name()));
     }
@@ -189,6 +195,11 @@ pub fn colours(model: &Model, by: ColourBy, positions: &[[f32; 3]], field: &[f32
             named(&|e| model.elements[e].material as usize, names, &palette::category)
         }
         ColourBy::Body => named(&|e| model.elements[e].body as usize, model.bodies.clone(), &palette::category),
+        ColourBy::Part => {
+            let count = model.elements.iter().map(|e| e.part as usize + 1).max().unwrap_or(0);
+            let names = (0..count).map(|part| format!("part {part}")).collect();
+            named(&|e| model.elements[e].part as usize, names, &palette::category)
+        }
         // Numbers that are not there yet look plain.
         _ => Colours { elements: vec![palette::PLAIN; model.elements.len()], nodes: None, legend: Legend::None },
     }

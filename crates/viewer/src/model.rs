@@ -25,6 +25,8 @@ pub struct DrawnElement {
     pub material: u32,
     /// Index into [`Model::bodies`].
     pub body: u32,
+    /// Part of the matrix' rows that its first node belongs to.
+    pub part: u32,
     /// Where it is in the body's mesh.
     pub id: ElementId,
     /// Shape quality at rest, 1 for the ideal shape, not positive for an inverted element.
@@ -111,6 +113,7 @@ impl Model {
             up: simulation.scene().gravity.map(|g| -g as f32),
             solid: false,
         };
+        let parts = simulation.parts_of_elements();
         for (body, (number, b)) in prepared.bodies.iter().zip((0u32..).zip(&model.meshes)) {
             // A mesh that was prepared is sound; without qualities every element counts as ideal.
             let qualities = souple_simulation::mesh::check::qualities(&b.0).unwrap_or_default();
@@ -118,9 +121,9 @@ impl Model {
                 qualities.get(id.block as usize).and_then(|q| q.get(id.index as usize)).copied().unwrap_or(1.0)
             };
             for &id in &body.elements {
-                let material = block_of[model.elements.len()];
+                let (material, part) = (block_of[model.elements.len()], parts[model.elements.len()]);
                 let quality = quality_of(id) as f32;
-                model.elements.push(DrawnElement { kind: body.element(id), material, body: number, id, quality });
+                model.elements.push(DrawnElement { kind: body.element(id), material, body: number, part, id, quality });
             }
         }
         for face in surface::faces(prepared) {
@@ -139,9 +142,14 @@ impl Model {
 
     /// The nodes of an element.
     pub fn nodes_of(&self, element: u32) -> Vec<u32> {
+        self.node_numbers(element).collect()
+    }
+
+    /// The same, one after the other.
+    pub fn node_numbers(&self, element: u32) -> impl Iterator<Item = u32> + '_ {
         let drawn = &self.elements[element as usize];
         let (mesh, first) = &self.meshes[drawn.body as usize];
-        mesh.nodes_of(drawn.id).iter().map(|n| n + first).collect()
+        mesh.nodes_of(drawn.id).iter().map(move |n| n + first)
     }
 
     /// All faces of these solid elements, whoever shares them; elements of other kinds as they are in the skin.

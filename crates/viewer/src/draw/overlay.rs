@@ -44,7 +44,14 @@ fn legend(painter: &Painter, area: Rect, legend: &Legend) {
     match legend {
         Legend::None => {}
         Legend::Names(names) => {
-            for (k, (colour, name)) in names.iter().enumerate() {
+            let room = ((0.6 * area.height() / 22.0) as usize).max(3);
+            let shown = if names.len() > room { room - 1 } else { names.len() };
+            if shown < names.len() {
+                let text = pos2(area.right() - MARGIN - 24.0, area.top() + MARGIN + 22.0 * shown as f32);
+                let more = format!("and {} more", names.len() - shown);
+                painter.text(text, Align2::RIGHT_TOP, more, font.clone(), INK);
+            }
+            for (k, (colour, name)) in names.iter().take(shown).enumerate() {
                 let y = area.top() + MARGIN + 22.0 * k as f32;
                 let text = pos2(area.right() - MARGIN - 24.0, y);
                 painter.text(text, Align2::RIGHT_TOP, name, font.clone(), INK);
