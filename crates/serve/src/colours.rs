@@ -69,6 +69,9 @@ pub fn key(field: ElementField) -> &'static str {
         ElementField::EnergyDensity => "energy-density",
         ElementField::LargestStretch => "largest-stretch",
         ElementField::SmallestStretch => "smallest-stretch",
+        ElementField::LengthChange => "r-l",
+        ElementField::VolumeChange => "r-a",
+        ElementField::MeanForce => "r-s",
     }
 }
 

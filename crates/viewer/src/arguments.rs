@@ -1,8 +1,11 @@
 //! The arguments of `souple-view`.
 
 use clap::Parser;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use souple_simulation::RunOptions;
 use souple_simulation::session::Script;
+#[cfg(feature = "window")]
+use souple_simulation::session::SessionOptions;
 use souple_viewer::colouring::{ColourBy, Scale, choices};
 use souple_viewer::look::{Faces, Look, Shading};
 use souple_viewer::palette::Map;
@@ -29,15 +32,14 @@ pub(crate) struct Arguments {
     /// Simulated time of the picture; without it, the scene's end or rest
     #[arg(long, value_name = "S")]
     at: Option<f64>,
-    /// Width and height of the picture in pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size)]
-    size: [u32; 2],
+    /// Width and height in pixels: 1280x720 for pictures, 1400x860 for windows without it
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub(crate) size: Option<[u32; 2]>,
     /// Degrees around and above the body, and how far away relative to a view of everything
     #[arg(long, value_name = "AZIMUTH,ELEVATION[,DISTANCE]", allow_hyphen_values = true, value_parser = view)]
     camera: Option<[f32; 3]>,
-    /// What colours show: none, element, law, material, body, displacement, quality, von-mises, volume-ratio, smallest-j,
-    /// energy-density, largest-stretch, smallest-stretch
-    #[arg(long, visible_alias = "color", value_name = "WHAT", default_value = "element", value_parser = colour)]
+    /// What colours show
+    #[arg(long, visible_alias = "color", value_name = "WHAT", default_value = "element", value_parser = colour())]
     colour: ColourBy,
     /// The range of numbers that colours show; without it, from the least to the largest
     #[arg(long, value_name = "LOW,HIGH", allow_hyphen_values = true, value_parser = range)]
@@ -66,6 +68,18 @@ pub(crate) struct Arguments {
     /// Repeat what a person did in the window: the script that was saved beside a checkpoint
     #[arg(long, value_name = "FILE")]
     script: Option<PathBuf>,
+    /// Simulated seconds per second as the window opens; 0 is as fast as it goes
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
+    speed: f64,
+    /// Close the window after this many pictures, in which the body turns once around and is pulled
+    #[arg(long, value_name = "N", conflicts_with = "screenshot")]
+    pub(crate) frames: Option<usize>,
+    /// With --frames: write what was measured as JSON, to the terminal without this
+    #[arg(long, value_name = "FILE", requires = "frames")]
+    pub(crate) report: Option<PathBuf>,
+    /// With --frames: write a picture of the whole window at the end, as PNG
+    #[arg(long, value_name = "FILE", requires = "frames")]
+    pub(crate) window_picture: Option<PathBuf>,
     /// Change a value of the scene; repeat it
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub(crate) overrides: Vec<String>,
@@ -96,7 +110,8 @@ impl Arguments {
             ground: !self.no_ground,
             ..Look::default()
         };
-        Ok(Screenshot { at: self.at, size: self.size, camera: self.camera, look, cut: self.cut })
+        let size = self.size.unwrap_or([1280, 720]);
+        Ok(Screenshot { at: self.at, size, camera: self.camera, look, cut: self.cut })
     }
 
     /// The script, if one was named.
@@ -104,6 +119,18 @@ impl Arguments {
         let Some(path) = &self.script else { return Ok(Script::new()) };
         let bytes = std::fs::read(path).map_err(|e| format!("cannot read {}: {e}", path.display()))?;
         serde_json::from_slice(&bytes).map_err(|e| format!("{} is not a script of this program: {e}", path.display()))
+    }
+
+    /// How the simulation begins in the window.
+    #[cfg(feature = "window")]
+    pub(crate) fn session(&self) -> Result<SessionOptions, String> {
+        if !(self.speed >= 0.0 && self.speed.is_finite()) {
+            return Err(format!(
+                "--speed is a number of simulated seconds per second, at least 0, found {}",
+                self.speed
+            ));
+        }
+        Ok(SessionOptions { speed: (self.speed > 0.0).then_some(self.speed), ..SessionOptions::default() })
     }
 
     /// Where and how to compute.
@@ -141,12 +168,9 @@ fn range(text: &str) -> Result<[f64; 2], String> {
     ends.ok_or_else(|| "expected two numbers in SI units, the smaller first, like 0,5e4".into())
 }
 
-fn colour(text: &str) -> Result<ColourBy, String> {
-    let known = choices();
-    known.iter().find(|c| c.1 == text).map(|c| c.0).ok_or_else(|| {
-        let names: Vec<&str> = known.iter().map(|c| c.1).collect();
-        format!("expected one of {}", names.join(", "))
-    })
+fn colour() -> impl TypedValueParser<Value = ColourBy> {
+    PossibleValuesParser::new(choices().into_iter().map(|c| c.1))
+        .try_map(|text| choices().into_iter().find(|c| c.1 == text).map(|c| c.0).ok_or("there is no such colour"))
 }
 
 fn map(text: &str) -> Result<Map, String> {

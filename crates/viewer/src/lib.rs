@@ -21,6 +21,8 @@ pub mod numbers;
 pub mod palette;
 pub mod scene_file;
 pub mod screenshot;
+#[cfg(feature = "window")]
+pub mod trial;
 pub mod triangles;
 #[cfg(feature = "window")]
 pub mod window;

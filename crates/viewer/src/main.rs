@@ -10,10 +10,12 @@ use souple_simulation::RunOptions;
 use souple_viewer::draw::studio::Studio;
 use souple_viewer::screenshot::take;
 use std::process::ExitCode;
+use std::time::Instant;
 
 fn main() -> ExitCode {
+    let started = Instant::now();
     let arguments = Arguments::parse();
-    match run(&arguments) {
+    match run(&arguments, started) {
         Ok(code) => code,
         Err(message) => {
             eprintln!("error: {message}");
@@ -22,8 +24,8 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(arguments: &Arguments) -> Result<ExitCode, String> {
-    if arguments.screenshot.is_some() { screenshot(arguments) } else { window(arguments) }
+fn run(arguments: &Arguments, started: Instant) -> Result<ExitCode, String> {
+    if arguments.screenshot.is_some() { screenshot(arguments) } else { window(arguments, started) }
 }
 
 fn screenshot(arguments: &Arguments) -> Result<ExitCode, String> {
@@ -49,14 +51,29 @@ fn screenshot(arguments: &Arguments) -> Result<ExitCode, String> {
 }
 
 #[cfg(feature = "window")]
-fn window(arguments: &Arguments) -> Result<ExitCode, String> {
-    souple_viewer::window::open(arguments.scene.clone(), arguments.overrides.clone(), arguments.run_options())?;
+fn window(arguments: &Arguments, started: Instant) -> Result<ExitCode, String> {
+    use souple_viewer::trial::TrialOptions;
+    use souple_viewer::window::{Opening, open};
+    let trial = arguments.frames.map(|frames| TrialOptions {
+        frames,
+        report: arguments.report.clone(),
+        picture: arguments.window_picture.clone(),
+        started,
+    });
+    open(Opening {
+        scene: arguments.scene.clone(),
+        size: arguments.size.unwrap_or([1400, 860]),
+        overrides: arguments.overrides.clone(),
+        options: arguments.run_options(),
+        session: arguments.session()?,
+        trial,
+    })?;
     Ok(ExitCode::SUCCESS)
 }
 
 #[cfg(not(feature = "window"))]
-fn window(_: &Arguments) -> Result<ExitCode, String> {
+fn window(_: &Arguments, _: Instant) -> Result<ExitCode, String> {
     Err("this souple-view was built without windows: pictures only (--screenshot); \
-         build it with `cargo build --release -p souple-viewer`"
+         build it with `cargo build --release -p souple-viewer --features window`"
         .into())
 }

@@ -4,7 +4,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that unwraps says with its line number what it expected")]
 
-use egui_kittest::kittest::Queryable as _;
+use egui::accesskit::Role;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use egui_kittest::wgpu::WgpuTestRenderer;
 use egui_kittest::{Harness, Node};
 use souple_simulation::RunOptions;
@@ -252,5 +253,76 @@ fn looks_are_chosen() {
             let apart = a.iter().zip(b).filter(|(a, b)| a.abs_diff(**b) > 24).count();
             assert!(apart > 3000, "two looks differ in {apart} bytes only");
         }
+    }
+}
+
+/// Roles of what can be used.
+const CONTROLS: [Role; 10] = [
+    Role::Button,
+    Role::CheckBox,
+    Role::RadioButton,
+    Role::Slider,
+    Role::SpinButton,
+    Role::ComboBox,
+    Role::TextInput,
+    Role::MultilineTextInput,
+    Role::Link,
+    Role::DisclosureTriangle,
+];
+
+/// Controls that are shown: number, role, label, whether they are disabled.
+fn controls(window: &Window) -> Vec<(String, Role, String, bool)> {
+    let nodes = window.root().children_recursive();
+    nodes
+        .map(|node| node.accesskit_node())
+        .filter(|node| CONTROLS.contains(&node.role()))
+        .map(|node| (format!("{:?}", node.id()), node.role(), node.label().unwrap_or_default(), node.is_disabled()))
+        .collect()
+}
+
+/// Every control of a window has a name that is read out, and the keyboard reaches each that is not disabled.
+fn all_named_and_reached(window: &mut Window, shown: &str) {
+    window.run_steps(2);
+    let found = controls(window);
+    assert!(!found.is_empty(), "{shown}: no controls");
+    let unnamed: Vec<_> = found.iter().filter(|c| c.2.trim().is_empty()).collect();
+    assert!(unnamed.is_empty(), "{shown}: without a name: {unnamed:?}");
+    let mut reached = std::collections::BTreeSet::new();
+    for _ in 0..2 * found.len() + 10 {
+        if found.iter().all(|c| c.3 || reached.contains(&c.0)) {
+            break;
+        }
+        window.key_press(egui::Key::Tab);
+        window.step();
+        let focused = window.root().children_recursive().find(|n| n.is_focused());
+        reached.extend(focused.map(|n| format!("{:?}", n.accesskit_node().id())));
+    }
+    let missed: Vec<_> = found.iter().filter(|c| !c.3 && !reached.contains(&c.0)).collect();
+    assert!(missed.is_empty(), "{shown}: the keyboard does not reach {missed:?}");
+}
+
+/// Everything that can be used has a name and is reached by the Tab key: while scenes are chosen, when one is wrong, and
+/// with each of the hands while one runs.
+#[test]
+fn controls_have_names_and_keys() {
+    let Some(mut choosing) = window("controls_have_names_and_keys", None, false) else { return };
+    all_named_and_reached(&mut choosing, "choosing");
+    let path = scene("unnamed", "gravty = 1");
+    let Some(mut failed) = window("controls_have_names_and_keys", Some(path), false) else { return };
+    until(&mut failed, "the error", |app| matches!(app.stage, Stage::Failed { .. }));
+    all_named_and_reached(&mut failed, "failed");
+    let path = scene("named", &BAR.replace("GRAVITY", ""));
+    let Some(mut running) = window("controls_have_names_and_keys", Some(path), false) else { return };
+    until(&mut running, "the scene", arrived);
+    running.get_by_label("Record").click();
+    running.get_by_label("section").click();
+    for hand in ["pull", "push", "hold", "free"] {
+        running.get_by_label(hand).click();
+        running.run_steps(2);
+        if hand == "push" {
+            running.get_by_label("tool").click();
+        }
+        running.state_mut().running_mut().unwrap().look.colour_by = souple_viewer::colouring::ColourBy::Quality;
+        all_named_and_reached(&mut running, hand);
     }
 }

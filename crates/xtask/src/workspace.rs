@@ -9,6 +9,9 @@ const GENERATED: &[&str] = &["target", "out", "node_modules", "__pycache__", "ve
 /// Folders with a leading dot that do.
 const HIDDEN: &[&str] = &[".cargo", ".ci", ".github", ".config"];
 
+/// What cargo is told so that the desktop's window is checked and tested too.
+pub(crate) const WINDOW: &str = "souple-viewer/window";
+
 /// Everything that the checks read.
 pub(crate) struct Workspace {
     /// The repository's folder.

@@ -9,7 +9,7 @@ use egui::{CollapsingHeader, ComboBox, DragValue, Slider, Ui};
 pub(super) fn ui(running: &mut Running, ui: &mut Ui) {
     CollapsingHeader::new("View").default_open(true).show(ui, |ui| {
         let look = &mut running.look;
-        ComboBox::new("colour", "Colour").selected_text(look.colour_by.name()).show_ui(ui, |ui| {
+        ComboBox::new("colour", "Colour").height(480.0).selected_text(look.colour_by.name()).show_ui(ui, |ui| {
             for (by, _, name) in choices() {
                 ui.selectable_value(&mut look.colour_by, by, name);
             }
@@ -76,8 +76,10 @@ fn numbers(running: &mut Running, ui: &mut Ui) {
     if let Some([low, high]) = &mut scale.range {
         ui.horizontal(|ui| {
             let speed = (0.01 * (*high - *low).abs()).max(1e-9);
-            ui.add(DragValue::new(low).speed(speed).prefix("from "));
-            ui.add(DragValue::new(high).speed(speed).prefix("to "));
+            for (end, name) in [(low, "from"), (high, "to")] {
+                let label = ui.label(name);
+                ui.add(DragValue::new(end).speed(speed)).labelled_by(label.id);
+            }
         });
     }
 }

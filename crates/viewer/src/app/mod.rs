@@ -29,6 +29,7 @@ use souple_simulation::session::{Session, SessionOptions};
 use souple_simulation::{RunOptions, Simulation};
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
+pub use view::point_on_body;
 
 /// What the window shows.
 pub enum Stage {
@@ -201,6 +202,12 @@ impl App {
             Some(Wish::Open(path)) => self.open(path),
         }
     }
+}
+
+/// Gives a control the name that is read out, where no label beside it does.
+pub(crate) fn named(ui: &egui::Ui, response: egui::Response, name: &str) -> egui::Response {
+    ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(name));
+    response
 }
 
 /// Where a panel leads.

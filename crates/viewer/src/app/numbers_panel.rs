@@ -29,12 +29,14 @@ fn budget(recent: &[Sample], draw: f64, ui: &mut Ui) {
     let mean = |of: &dyn Fn(&Sample) -> f64| recent.iter().map(of).sum::<f64>() / count;
     let (force, linearise) = (mean(&|s| s.phases.force), mean(&|s| s.phases.linearise));
     let (product, solve) = (mean(&|s| s.phases.product), mean(&|s| s.phases.rest_of_solve));
-    let rest = (mean(&|s| s.milliseconds) - force - linearise - product - solve).max(0.0);
+    let contact = mean(&|s| s.phases.contact);
+    let rest = (mean(&|s| s.milliseconds) - contact - force - linearise - product - solve).max(0.0);
     let parts = [
         ("force", force, Color32::from_rgb(86, 180, 233)),
         ("tangent", linearise, Color32::from_rgb(230, 159, 0)),
         ("CG products", product, Color32::from_rgb(0, 158, 115)),
         ("CG rest", solve, Color32::from_rgb(204, 121, 167)),
+        ("contact", contact, Color32::from_rgb(213, 94, 0)),
         ("rest of the step", rest, Color32::from_rgb(150, 150, 150)),
         ("draw", draw, Color32::from_rgb(0, 114, 178)),
     ];
@@ -49,14 +51,13 @@ fn budget(recent: &[Sample], draw: f64, ui: &mut Ui) {
         ui.painter().rect_filled(part, 0.0, colour);
         left += width;
     }
-    ui.horizontal_wrapped(|ui| {
-        ui.spacing_mut().item_spacing.x = 6.0;
-        for (name, ms, colour) in parts {
+    for (name, ms, colour) in parts {
+        ui.horizontal(|ui| {
             let (swatch, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
             ui.painter().rect_filled(swatch, 2.0, colour);
             ui.label(format!("{name} {ms:.2} ms"));
-        }
-    });
+        });
+    }
 }
 
 /// How often steps took how long.

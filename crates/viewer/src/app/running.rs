@@ -95,6 +95,8 @@ pub struct Running {
     pub camera: Camera,
     /// Ratio of width to height of the view.
     pub aspect: f32,
+    /// Where the view is in the window.
+    pub(crate) area: egui::Rect,
     /// What the left button does.
     pub hand: Hand,
     /// The spring in the hand.
@@ -119,6 +121,8 @@ pub struct Running {
     pub(crate) probe: String,
     pub(crate) whole: Faceted,
     pub(crate) apart: Option<Faceted>,
+    /// What the device holds.
+    pub(crate) drawn: Option<FrameKey>,
     /// The view must be drawn whole once its size is known.
     pub(crate) fit: bool,
     /// Height of the ground along the camera's upward axis.
@@ -132,6 +136,14 @@ pub struct Running {
     /// The chosen speed in words.
     pub(crate) speed: &'static str,
     watched: Option<ElementField>,
+}
+
+/// What a drawn frame follows from.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct FrameKey {
+    pub(crate) snapshot: u64,
+    pub(crate) look: Look,
+    pub(crate) tool: Option<souple_simulation::interaction::Tool>,
 }
 
 /// The section as people turn it.
@@ -170,6 +182,7 @@ impl Running {
             look: Look::default(),
             camera,
             aspect: 1.0,
+            area: egui::Rect::NOTHING,
             hand: Hand::Pull,
             grip: None,
             pull_stiffness: 100.0,
@@ -184,6 +197,7 @@ impl Running {
             probe: String::new(),
             whole,
             apart: None,
+            drawn: None,
             fit: true,
             draw_ms: 0.0,
             animation: None,
@@ -207,7 +221,7 @@ impl Running {
     pub(crate) fn renew(&mut self) {
         let newest = self.session.snapshot();
         let unset = newest.positions.is_empty();
-        if !unset {
+        if !unset && newest.number != self.snapshot.number {
             self.snapshot.clone_from(newest);
         }
         self.samples.extend(self.session.samples());

@@ -1,5 +1,6 @@
 //! What the pointer does to the body, and the knobs of the simulation: parameters, gravity, step, damping.
 
+use super::named;
 use super::running::{Hand, Running};
 use super::view::size_of_force;
 use crate::draw::frame::bounds;
@@ -112,8 +113,9 @@ fn world(running: &mut Running, ui: &mut Ui) {
         ui.label("gravity");
         let mut gravity = controls.gravity;
         let mut changed = false;
-        for (g, name) in gravity.iter_mut().zip(["x ", "y ", "z "]) {
-            changed |= ui.add(DragValue::new(g).speed(0.1).prefix(name)).changed();
+        for (g, axis) in gravity.iter_mut().zip(["x", "y", "z"]) {
+            let drag = ui.add(DragValue::new(g).speed(0.1).prefix(format!("{axis} ")));
+            changed |= named(ui, drag, &format!("gravity along {axis} in m/s²")).changed();
         }
         ui.label("m/s²");
         if changed {

@@ -7,9 +7,11 @@
 //! | middle drag, or with Shift | moves the view |
 //! | wheel | nearer, farther |
 //! | double click beside the body | shows everything |
+//!
+//! Keys do all but what needs a point of the body.
 
 use super::Canvas;
-use super::running::{Grip, Hand, Running};
+use super::running::{FrameKey, Grip, Hand, Running};
 use crate::colouring::{Numbers, colours, numbers};
 use crate::draw::frame::{Corner, Extras, Faceted, Line, bounds, frame};
 use crate::draw::overlay::{Overlay, paint};
@@ -36,13 +38,14 @@ pub(super) fn ui(running: &mut Running, canvas: &mut Canvas, ui: &mut Ui) {
     let response = ui.allocate_rect(area, Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "View of the bodies"));
     running.aspect = area.width() / area.height().max(1.0);
+    running.area = area;
     if running.fit {
         let [low, high] = bounds(&running.snapshot.positions);
         running.camera.fit(low, high, running.aspect);
         running.fit = false;
     }
     point(running, ui, &response, area);
-    keys(running, ui);
+    keys(running, ui, &response);
     section(running);
     let started = Instant::now();
     let scale = ui.ctx().pixels_per_point();
@@ -106,8 +109,19 @@ fn section(running: &mut Running) {
     });
 }
 
-/// Draws into the canvas; whether its texture is another one than before.
+/// Draws into the canvas; whether its texture is another one than before. What is drawn is made anew only when the state
+/// or the way it is shown has changed: turning a large model costs no more than its pixels.
 fn draw(running: &mut Running, canvas: &mut Canvas, size: [u32; 2]) -> bool {
+    let key = FrameKey { snapshot: running.snapshot.number, look: running.look.clone(), tool: running.tool.clone() };
+    if running.drawn.as_ref() != Some(&key) {
+        load(running, canvas);
+        running.drawn = Some(key);
+    }
+    let ground = running.look.ground.then_some(running.ground);
+    canvas.renderer.draw(&Shot { size, camera: running.camera, section: running.look.section, ground })
+}
+
+fn load(running: &mut Running, canvas: &mut Canvas) {
     if running.look.element_size < 0.999 && running.apart.is_none() {
         running.apart = Some(Faceted::apart(&running.model));
     }
@@ -120,10 +134,8 @@ fn draw(running: &mut Running, canvas: &mut Canvas, size: [u32; 2]) -> bool {
     };
     let extras = extras(running);
     let frame = frame(&running.model, faceted, positions, &colours, &running.look, &running.held(), &extras);
-    let ground = running.look.ground.then_some(running.ground);
-    let shot = Shot { size, camera: running.camera, section: running.look.section, ground };
+    canvas.renderer.load(&frame);
     running.legend = colours.legend;
-    canvas.renderer.draw(&frame, &shot)
 }
 
 /// Springs in hands and the tool.
@@ -171,6 +183,17 @@ fn ball(tool: &Tool, corners: &mut Vec<Corner>) {
             corners.extend([p, q, r, p, r, s]);
         }
     }
+}
+
+/// A point of the window that shows the body, the nearest to the middle of the view of those on a grid.
+pub fn point_on_body(running: &Running) -> Option<Pos2> {
+    const GRID: i32 = 8;
+    let mut places: Vec<[i32; 2]> = (-GRID..=GRID).flat_map(|i| (-GRID..=GRID).map(move |j| [i, j])).collect();
+    places.sort_by_key(|[i, j]| i * i + j * j);
+    let found =
+        places.into_iter().map(|p| p.map(|k| k as f32 / (GRID + 1) as f32)).find(|&p| pick(running, p).is_some());
+    let area = running.area;
+    found.map(|[x, y]| area.center() + egui::vec2(0.5 * x * area.width(), -0.5 * y * area.height()))
 }
 
 /// The nearest visible triangle on the ray through a point of the view.
@@ -330,39 +353,51 @@ fn probe(running: &Running, met: Met) -> String {
     }
 }
 
-fn keys(running: &mut Running, ui: &Ui) {
-    if ui.ctx().egui_wants_keyboard_input() {
+fn keys(running: &mut Running, ui: &Ui, view: &Response) {
+    // A control that was reached by the keyboard keeps its keys; the view leaves none to the way from control to control.
+    if view.has_focus() {
+        let filter = egui::EventFilter { horizontal_arrows: true, vertical_arrows: true, ..Default::default() };
+        ui.memory_mut(|memory| memory.set_focus_lock_filter(view.id, filter));
+    } else if ui.ctx().egui_wants_keyboard_input() {
         return;
     }
+    use egui::Key;
     use souple_simulation::session::Command;
     let pressed = |key| ui.input(|i| i.key_pressed(key) && !i.modifiers.any());
-    if pressed(egui::Key::Space) {
+    if pressed(Key::Space) {
         running.session.send(if running.snapshot.playing { Command::Pause } else { Command::Play });
     }
-    if pressed(egui::Key::Period) {
+    if pressed(Key::Period) {
         running.session.send(Command::Step(1));
     }
-    if pressed(egui::Key::R) {
+    if pressed(Key::R) {
         running.session.send(Command::Reset);
+        running.tool = None;
     }
-    if pressed(egui::Key::F) {
+    if pressed(Key::F) {
         running.fit = true;
     }
-    for (key, hand) in
-        [(egui::Key::P, Hand::Pull), (egui::Key::T, Hand::Push), (egui::Key::H, Hand::Hold), (egui::Key::G, Hand::Free)]
-    {
+    for (key, hand) in [(Key::P, Hand::Pull), (Key::T, Hand::Push), (Key::H, Hand::Hold), (Key::G, Hand::Free)] {
         if pressed(key) {
             running.hand = hand;
         }
     }
-    for (key, azimuth, elevation) in [
-        (egui::Key::ArrowLeft, -5.0, 0.0),
-        (egui::Key::ArrowRight, 5.0, 0.0),
-        (egui::Key::ArrowUp, 0.0, 5.0),
-        (egui::Key::ArrowDown, 0.0, -5.0),
-    ] {
+    let arrows = [
+        (Key::ArrowLeft, [-1.0, 0.0]),
+        (Key::ArrowRight, [1.0, 0.0]),
+        (Key::ArrowUp, [0.0, 1.0]),
+        (Key::ArrowDown, [0.0, -1.0]),
+    ];
+    for (key, [x, y]) in arrows {
         if pressed(key) {
-            running.camera.turn(azimuth, elevation);
+            running.camera.turn(5.0 * x, 5.0 * y);
+        } else if ui.input(|i| i.key_pressed(key) && i.modifiers.shift_only()) {
+            running.camera.pan(0.05 * x, 0.05 * y);
+        }
+    }
+    for (keys, factor) in [([Key::Plus, Key::Equals], 0.9), ([Key::Minus, Key::Minus], 1.0 / 0.9)] {
+        if ui.input(|i| keys.iter().any(|k| i.key_pressed(*k))) {
+            running.camera.distance *= factor;
         }
     }
 }

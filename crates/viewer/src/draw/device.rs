@@ -36,6 +36,12 @@ pub fn open() -> Result<RenderState, DeviceError> {
     opened.map_err(|e| DeviceError::None(e.to_string()))
 }
 
+/// What draws, in words: "llvmpipe (LLVM 15.0.6, 256 bits) (Cpu, Vulkan)".
+pub fn describe(state: &RenderState) -> String {
+    let about = state.adapter.get_info();
+    format!("{} ({:?}, {:?})", about.name, about.device_type, about.backend)
+}
+
 /// Pixels in rows from the top, [row, column, red green blue alpha], in sRGB.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Pixels {

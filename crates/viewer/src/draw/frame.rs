@@ -253,11 +253,17 @@ fn cut_face(
         if kind.dimension() != 3 {
             continue;
         }
-        let nodes = model.nodes_of(e);
-        let depth: Vec<f32> = nodes.iter().map(|&n| section.depth(positions[n as usize])).collect();
-        if depth.iter().all(|&d| d > 0.0) || depth.iter().all(|&d| d <= 0.0) {
+        // Most elements are not cut: nothing is stored for them.
+        let (mut over, mut under) = (false, false);
+        for n in model.node_numbers(e) {
+            let hidden = section.depth(positions[n as usize]) > 0.0;
+            (over, under) = (over | hidden, under | !hidden);
+        }
+        if !(over && under) {
             continue;
         }
+        let nodes = model.nodes_of(e);
+        let depth: Vec<f32> = nodes.iter().map(|&n| section.depth(positions[n as usize])).collect();
         let between = |a: u8, b: u8| -> Cut {
             let (a, b) = (a as usize, b as usize);
             let share = depth[a] / (depth[a] - depth[b]);

@@ -63,7 +63,16 @@ pub struct Renderer {
     group: wgpu::BindGroup,
     corners: Growing,
     strokes: Growing,
+    loaded: Loaded,
     target: Target,
+}
+
+/// What is in the buffers.
+#[derive(Clone, Copy, Default)]
+struct Loaded {
+    corners: u32,
+    lines: u32,
+    bounds: [Vector; 2],
 }
 
 struct Target {
@@ -212,6 +221,7 @@ impl Renderer {
             ground: stage("ground", "ground_vertex", "ground_fragment", &[]),
             corners: Growing::new(device, "corners", 1 << 16),
             strokes: Growing::new(device, "lines", 1 << 16),
+            loaded: Loaded::default(),
             target: Target::new(device, [16, 16]),
             device: device.clone(),
             queue: queue.clone(),
@@ -220,18 +230,24 @@ impl Renderer {
         }
     }
 
-    /// Draws a frame into the texture; whether the texture is another one than before.
-    pub fn draw(&mut self, frame: &Frame, shot: &Shot) -> bool {
+    /// Gives a frame to the device; it is drawn until the next one comes.
+    pub fn load(&mut self, frame: &Frame) {
+        self.corners.write(&self.device, &self.queue, bytemuck::cast_slice(&frame.corners));
+        self.strokes.write(&self.device, &self.queue, bytemuck::cast_slice(&frame.lines));
+        self.loaded =
+            Loaded { corners: frame.corners.len() as u32, lines: frame.lines.len() as u32, bounds: frame.bounds };
+    }
+
+    /// Draws the loaded frame into the texture; whether the texture is another one than before.
+    pub fn draw(&mut self, shot: &Shot) -> bool {
         let limit = self.device.limits().max_texture_dimension_2d;
         let size = shot.size.map(|s| s.clamp(1, limit));
         let renewed = [self.target.texture.width(), self.target.texture.height()] != size;
         if renewed {
             self.target = Target::new(&self.device, size);
         }
-        let view = view_of(frame, shot, size);
+        let view = view_of(self.loaded.bounds, shot, size);
         self.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
-        self.corners.write(&self.device, &self.queue, bytemuck::cast_slice(&frame.corners));
-        self.strokes.write(&self.device, &self.queue, bytemuck::cast_slice(&frame.lines));
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("scene") });
         let [r, g, b] = BACKGROUND.map(|c| f64::from(c) / 255.0);
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -253,7 +269,7 @@ impl Renderer {
             ..wgpu::RenderPassDescriptor::default()
         });
         pass.set_bind_group(0, &self.group, &[]);
-        let corner_count = frame.corners.len() as u32;
+        let Loaded { corners, lines, .. } = self.loaded;
         let camera = &shot.camera;
         // From below, the ground would hide the body.
         let above = shot.ground.filter(|height| dot(camera.eye(), camera.up) > *height);
@@ -261,19 +277,19 @@ impl Renderer {
             pass.set_pipeline(&self.ground);
             pass.draw(0..6, 0..1);
         }
-        if corner_count > 0 {
+        if corners > 0 {
             pass.set_vertex_buffer(0, self.corners.buffer.slice(..));
             if above.is_some() {
                 pass.set_pipeline(&self.shadow);
-                pass.draw(0..corner_count, 0..1);
+                pass.draw(0..corners, 0..1);
             }
             pass.set_pipeline(&self.surface);
-            pass.draw(0..corner_count, 0..1);
+            pass.draw(0..corners, 0..1);
         }
-        if !frame.lines.is_empty() {
+        if lines > 0 {
             pass.set_vertex_buffer(0, self.strokes.buffer.slice(..));
             pass.set_pipeline(&self.lines);
-            pass.draw(0..6, 0..frame.lines.len() as u32);
+            pass.draw(0..6, 0..lines);
         }
         drop(pass);
         self.queue.submit([encoder.finish()]);
@@ -300,13 +316,13 @@ fn ball([low, high]: [Vector; 2], reach: f32) -> (Vector, f32) {
     (centre, length(minus(high, centre)).max(reach) * 1.5)
 }
 
-fn view_of(frame: &Frame, shot: &Shot, size: [u32; 2]) -> View {
+fn view_of(bounds: [Vector; 2], shot: &Shot, size: [u32; 2]) -> View {
     let camera = &shot.camera;
     let [right, up, back] = camera.axes();
     let wide = |v: Vector, w: f32| [v[0], v[1], v[2], w];
-    let extent = length(minus(frame.bounds[1], frame.bounds[0]));
+    let extent = length(minus(bounds[1], bounds[0]));
     let reach = 2.2 * extent;
-    let (centre, radius) = ball(frame.bounds, if shot.ground.is_some() { reach } else { 0.0 });
+    let (centre, radius) = ball(bounds, if shot.ground.is_some() { reach } else { 0.0 });
     let height = shot.ground.unwrap_or(0.0);
     let lift = height - dot(centre, camera.up);
     let middle: Vector = std::array::from_fn(|k| centre[k] + lift * camera.up[k]);

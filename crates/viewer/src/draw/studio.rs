@@ -1,6 +1,6 @@
 //! Pictures without a window: the renderer's texture with the overlay written over it by egui, as a window would.
 
-use super::device::{DeviceError, Pixels, open, read};
+use super::device::{DeviceError, Pixels, describe, open, read};
 use super::frame::{Extras, Faceted, frame};
 use super::overlay::{Overlay, paint};
 use super::renderer::{Renderer, Shot};
@@ -49,8 +49,7 @@ impl Studio {
 
     /// What it draws with, in words.
     pub fn device(&self) -> String {
-        let about = self.state.adapter.get_info();
-        format!("{} ({:?}, {:?})", about.name, about.device_type, about.backend)
+        describe(&self.state)
     }
 
     /// Pixels of the model alone.
@@ -66,7 +65,8 @@ impl Studio {
         let faceted = if look.element_size < 0.999 { Faceted::apart(model) } else { Faceted::whole(model) };
         let colours = colours(model, look.colour_by, pose.positions, pose.field, look.scale);
         let frame = frame(model, &faceted, pose.positions, &colours, look, pose.held, &Extras::default());
-        let renewed = self.renderer.draw(&frame, &shot);
+        self.renderer.load(&frame);
+        let renewed = self.renderer.draw(&shot);
         let mut egui = self.state.renderer.write();
         let filter = wgpu::FilterMode::Linear;
         match self.shown {

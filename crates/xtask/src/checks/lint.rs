@@ -1,13 +1,23 @@
-//! Clippy on everything, warnings denied.
+//! Clippy on everything, the window included, warnings denied.
 
 use crate::stages::Outcome;
-use crate::workspace::{Workspace, cargo};
+use crate::workspace::{WINDOW, Workspace, cargo};
 use std::process::Command;
 
 pub(crate) fn run(workspace: &Workspace) -> Outcome {
     let mut clippy = Command::new(cargo());
     clippy.current_dir(&workspace.root);
-    clippy.args(["clippy", "--quiet", "--workspace", "--all-targets", "--", "--deny", "warnings"]);
+    clippy.args([
+        "clippy",
+        "--quiet",
+        "--workspace",
+        "--all-targets",
+        "--features",
+        WINDOW,
+        "--",
+        "--deny",
+        "warnings",
+    ]);
     match clippy.status() {
         Ok(status) if status.success() => {
             Outcome::Passed { note: format!("{} packages", workspace.packages.len()), skipped: Vec::new() }

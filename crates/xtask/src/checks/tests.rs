@@ -5,7 +5,7 @@
 //! reason in the folder that the environment variable `SOUPLE_SKIPPED` names; the summary lists these.
 
 use crate::stages::Outcome;
-use crate::workspace::{Workspace, cargo};
+use crate::workspace::{WINDOW, Workspace, cargo};
 use std::fs;
 use std::process::{Command, Stdio};
 
@@ -24,12 +24,12 @@ pub(crate) fn run(workspace: &Workspace) -> Outcome {
         .status()
         .is_ok_and(|s| s.success());
     let main: &[&str] = if nextest {
-        &["nextest", "run", "--workspace", "--no-fail-fast"]
+        &["nextest", "run", "--workspace", "--features", WINDOW, "--no-fail-fast"]
     } else {
-        &["test", "--quiet", "--workspace", "--all-targets", "--no-fail-fast"]
+        &["test", "--quiet", "--workspace", "--features", WINDOW, "--all-targets", "--no-fail-fast"]
     };
     let mut findings = Vec::new();
-    for arguments in [main, &["test", "--quiet", "--workspace", "--doc", "--no-fail-fast"]] {
+    for arguments in [main, &["test", "--quiet", "--workspace", "--features", WINDOW, "--doc", "--no-fail-fast"]] {
         let command = format!("cargo {}", arguments.join(" "));
         println!("   {command}");
         match Command::new(cargo()).current_dir(&workspace.root).args(arguments).env("SOUPLE_SKIPPED", &notes).status()
