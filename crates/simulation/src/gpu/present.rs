@@ -178,7 +178,7 @@ impl OnDevice {
         let t = self.resident.times()?;
         // Forces and what products need of them are one program on a device.
         let (force, product, rest_of_solve) = (1e3 * t.force, 1e3 * t.product, 1e3 * t.rest_of_solve);
-        Some(PhaseTimes { force, linearise: 0.0, product, rest_of_solve })
+        Some(PhaseTimes { contact: 0.0, force, linearise: 0.0, product, rest_of_solve })
     }
 
     /// Gives the device up as if its driver had lost it.
