@@ -1,13 +1,17 @@
 //! A campaign from its folder to its results.
 
-use crate::database::{Database, Machine, add_group, done};
+use crate::database::{Database, DatabaseError, Machine, Member, add_group, recorded_in};
 use crate::folder;
 use crate::group::Group;
 use crate::identity::{Surroundings, identify, sha256};
 use crate::plan::{Planned, plan};
 use crate::problem::Problems;
-use crate::worker::{Job, Workshop};
+use crate::traction::traction;
+use crate::worker::{Job, Workshop, remove_leftovers};
 use souple_simulation::scene::Scene;
+use souple_simulation::scene::body::Body;
+use souple_simulation::scene::integrator::Method;
+use souple_simulation::scene::mesh::Mesh;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -49,47 +53,66 @@ pub fn read(folder: &Path) -> Result<Group, Problems> {
     folder::parse(&name, &folder.display().to_string(), &mut |local| text(&folder.join(local)))
 }
 
+/// What is asked of a campaign.
+#[derive(Debug)]
+pub struct Request<'a> {
+    /// The group.
+    pub group: &'a Group,
+    /// Where it was described.
+    pub folder: &'a Path,
+    /// Where it runs.
+    pub machine: &'a Machine,
+    /// The `souple` program.
+    pub program: &'a Path,
+    /// Folder of results.
+    pub results: &'a Path,
+    /// Statuses whose simulations are to be repeated.
+    pub again: &'a [&'a str],
+}
+
+/// Statuses of which the next run repeats the simulation: what ended it was not what determines it.
+pub const PASSING: &[&str] = &["crashed", "unwritten"];
+
 /// Hashes all simulations of a group, writes the group, and finds what is to do.
 ///
-/// `again`: statuses whose simulations are to be repeated.
+/// The simulations run from a copy of the text that was hashed: a scene that is edited while they run changes nothing.
 ///
 /// # Errors
 ///
 /// In words.
-pub fn prepare(
-    group: &Group,
-    folder: &Path,
-    database: &mut Database,
-    machine: &Machine,
-    program: &Path,
-    results: &Path,
-    again: &[&str],
-) -> Result<Prepared, String> {
+pub fn prepare(request: &Request<'_>, database: &Database) -> Result<Prepared, String> {
+    let Request { group, results, .. } = *request;
     let planned: Vec<Planned> = plan(group).map_err(|problems| problems.to_string())?;
-    let bytes = fs::read(program).map_err(|e| format!("cannot read {}: {e}", program.display()))?;
+    let bytes = fs::read(request.program).map_err(|e| format!("cannot read {}: {e}", request.program.display()))?;
     let surroundings = Surroundings {
         program: sha256(&bytes),
-        processor: machine.processor.clone(),
+        processor: request.machine.processor.clone(),
         catalogue: souple_simulation::prepare::catalogue(),
         scene: &group.scene.text,
     };
-    fs::create_dir_all(results).map_err(|e| format!("cannot make {}: {e}", results.display()))?;
-    let scene = match &group.scene.path {
-        Some(path) => path.clone(),
-        None => {
-            let path = results.join(format!("scene_{}.toml", &sha256(group.scene.text.as_bytes())[..16]));
-            fs::write(&path, &group.scene.text).map_err(|e| format!("cannot write {}: {e}", path.display()))?;
-            path
-        }
+    let given = group.scene.path.as_ref().and_then(|path| path.parent());
+    let meshes = match given {
+        Some(folder) if folder.as_os_str().is_empty() => PathBuf::from("."),
+        Some(folder) => folder.to_owned(),
+        None => results.to_owned(),
     };
-    let beside: PathBuf = scene.parent().map(Path::to_owned).unwrap_or_default();
-    let mut read = |name: &str| fs::read(beside.join(name)).map_err(|e| e.to_string());
+    let made = fs::create_dir_all(results).and_then(|()| Ok((fs::canonicalize(results)?, fs::canonicalize(meshes)?)));
+    let (results, meshes) = made.map_err(|e| format!("cannot make {}: {e}", results.display()))?;
+    remove_leftovers(&results);
+    let scene = results.join(format!("scene_{}.toml", &sha256(group.scene.text.as_bytes())[..16]));
+    if fs::read_to_string(&scene).ok().as_ref() != Some(&group.scene.text) {
+        fs::write(&scene, &group.scene.text).map_err(|e| format!("cannot write {}: {e}", scene.display()))?;
+    }
+    let mut read = |name: &str| fs::read(meshes.join(name)).map_err(|e| e.to_string());
     let identities: Vec<(String, Option<Scene>)> =
         planned.iter().map(|p| identify(&surroundings, &p.overrides, &p.device, &mut read)).collect();
-    let hashes: Vec<String> = identities.iter().map(|(hash, _)| hash.clone()).collect();
+    let members: Vec<Member<'_>> =
+        planned.iter().zip(&identities).map(|(planned, (hash, _))| Member { planned, hash }).collect();
     let definition = sha256(format!("{group:?}").as_bytes());
-    let where_from = folder.display().to_string();
-    let id = add_group(database, group, &where_from, &definition, &planned, &hashes).map_err(|e| e.to_string())?;
+    let where_from = request.folder.display().to_string();
+    let failed = |e: DatabaseError| e.to_string();
+    let id = add_group(database, group, &where_from, &definition, &members).map_err(failed)?;
+    let recorded = recorded_in(database, id).map_err(failed)?;
     let mut seen = BTreeSet::new();
     let mut jobs = Vec::new();
     let mut check = false;
@@ -98,22 +121,52 @@ pub fn prepare(
         if !seen.insert(hash) {
             continue;
         }
-        // What ended a process may not be what determines it: a crash is never final.
-        let status = done(database, hash).map_err(|e| e.to_string())?;
-        if status.is_none_or(|s| s == "crashed" || again.contains(&s.as_str())) {
+        let before = recorded.get(hash);
+        let repeated = |status: &str| PASSING.contains(&status) || request.again.contains(&status);
+        if before.is_none_or(|(_, status)| repeated(status)) {
+            let mut overrides = planned.overrides.clone();
+            overrides.extend(scene.iter().flat_map(|scene| meshes_from(scene, &meshes)));
             jobs.push(Job {
                 number: planned.number,
                 hash: hash.clone(),
                 device: planned.device.clone(),
-                overrides: planned.overrides.clone(),
+                overrides,
                 materials: scene.as_ref().map_or(Vec::new(), materials),
+                quasi_static: scene.as_ref().is_some_and(quasi_static),
+                traction: scene.as_ref().and_then(traction),
+                before: before.map(|(id, _)| *id),
             });
         }
     }
     let program_hash = surroundings.program;
-    let workshop =
-        Workshop { program: program.to_owned(), program_hash, scene, results: results.to_owned(), threads: 1, check };
+    let scene_name = group.scene.path.as_ref().map_or("scene".to_owned(), |path| path.display().to_string());
+    let workshop = Workshop {
+        program: request.program.to_owned(),
+        program_hash,
+        scene,
+        scene_name,
+        results,
+        threads: 1,
+        check,
+        view: None,
+    };
     Ok(Prepared { group: id, members: planned.len(), jobs, workshop })
+}
+
+fn quasi_static(scene: &Scene) -> bool {
+    scene.integrator.method.value == Method::QuasiStatic
+}
+
+/// Changes of a copy of a scene: its mesh files are where they were.
+fn meshes_from(scene: &Scene, folder: &Path) -> Vec<String> {
+    let file = |body: &Body| match &body.mesh.value {
+        Mesh::File(file) => Some(folder.join(&file.path.value)),
+        Mesh::Bar(_) => None,
+    };
+    let files = scene.bodies.iter().enumerate().filter_map(|(i, body)| Some((i, file(&body.value)?)));
+    // A text in JSON is one in TOML.
+    let quoted = |path: PathBuf| serde_json::Value::from(path.display().to_string()).to_string();
+    files.map(|(i, path)| format!("body.{i}.mesh.file={}", quoted(path))).collect()
 }
 
 fn materials(scene: &Scene) -> Vec<(String, usize, String, String)> {
@@ -140,9 +193,4 @@ pub fn this_machine() -> Machine {
         cores: std::thread::available_parallelism().map_or(1, usize::from),
         system: std::env::consts::OS.to_owned(),
     }
-}
-
-/// The folder of results beside a database: `campaign.db` has `campaign.results`.
-pub fn results_of(database: &Path) -> PathBuf {
-    database.with_extension("results")
 }

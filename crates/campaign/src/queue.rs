@@ -1,18 +1,24 @@
 //! Running what is to do, some processes at a time.
 //!
-//! One loop: start processes where places are free, look at each of them, record what has ended, each in one
+//! One loop: claim and start simulations where places are free, look at each process, record what has ended, each in one
 //! transaction. Nothing else decides what is done, so that a run that is killed at any moment repeats only what was not
-//! recorded.
+//! recorded, and several runs on one database share the work. What another run works on is asked for again until that has
+//! recorded it, given it back, or is gone.
 
-use crate::database::{Database, DatabaseError, Machine, record};
-use crate::worker::{Job, Worker, Workshop, start};
+use crate::database::{Claim, Database, DatabaseError, Machine, beat, claim, record, recorded, release};
+use crate::owner::Owner;
+use crate::worker::{Job, Worker, Workshop, keep, start};
 use std::collections::VecDeque;
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Time between two looks at the processes.
-const LOOK: Duration = Duration::from_millis(2);
+/// Time after which we look even if nothing woke us.
+const LOOK: Duration = Duration::from_millis(50);
+/// Time between two looks at what other runs work on.
+const LOOK_ELSEWHERE: Duration = Duration::from_millis(250);
+/// Time between two signs of life.
+const BEAT: Duration = Duration::from_secs(10);
 /// Time that processes have to stop before they are ended.
 const PATIENCE: Duration = Duration::from_secs(5);
 
@@ -23,7 +29,7 @@ pub struct Progress {
     pub done: usize,
     /// Simulations in all.
     pub all: usize,
-    /// Status and reason of the one that was recorded last.
+    /// Number, status and reason of the one that was recorded last.
     pub last: (usize, String, String),
     /// Time that is left, if what remains takes as long as what was done.
     pub left: Duration,
@@ -45,81 +51,117 @@ pub enum QueueError {
     },
 }
 
-/// Works until nothing is left, or `stop` is set; whether it came to its end.
+/// Where a queue works and whom it tells.
+#[derive(Debug)]
+pub struct Place<'a> {
+    /// What processes run with.
+    pub workshop: &'a Workshop,
+    /// Simulations at the same time.
+    pub places: usize,
+    /// Where outcomes are recorded.
+    pub database: &'a Database,
+    /// This machine.
+    pub machine: &'a Machine,
+    /// This process.
+    pub owner: &'a Owner,
+    /// Set from outside when it is to stop.
+    pub stop: &'a AtomicBool,
+}
+
+/// Works until nothing is left, or it is to stop; whether it came to its end.
 ///
 /// # Errors
 ///
 /// When the database or a folder cannot be written, or the program cannot be started; processes are ended first.
-pub fn work(
-    jobs: Vec<Job>,
-    places: usize,
-    workshop: &Workshop,
-    database: &mut Database,
-    machine: &Machine,
-    stop: &AtomicBool,
-    tell: &mut dyn FnMut(&Progress),
-) -> Result<bool, QueueError> {
-    let mut waiting = VecDeque::from(jobs);
-    let mut working: Vec<(usize, Worker)> = Vec::new();
-    let result = rounds(&mut waiting, &mut working, places, workshop, database, machine, stop, tell);
-    for (_, worker) in working {
+pub fn work(jobs: Vec<Job>, place: &Place<'_>, tell: &mut dyn FnMut(&Progress)) -> Result<bool, QueueError> {
+    let mut queue =
+        Queue { waiting: VecDeque::from(jobs), elsewhere: Vec::new(), working: Vec::new(), done: 0, all: 0 };
+    queue.all = queue.waiting.len();
+    let result = queue.rounds(place, tell);
+    for (_, worker) in queue.working {
         worker.abandon();
     }
+    // A claim that cannot be given back is void as soon as we are gone.
+    let _ = release(place.database, place.owner);
     result
 }
 
-fn rounds(
-    waiting: &mut VecDeque<Job>,
-    working: &mut Vec<(usize, Worker)>,
-    places: usize,
-    workshop: &Workshop,
-    database: &mut Database,
-    machine: &Machine,
-    stop: &AtomicBool,
-    tell: &mut dyn FnMut(&Progress),
-) -> Result<bool, QueueError> {
-    let (all, started) = (waiting.len(), Instant::now());
-    let mut done = 0;
-    let mut asked: Option<Instant> = None;
-    let system = |what: String| move |source| QueueError::System { what, source };
-    while !(working.is_empty() && (waiting.is_empty() || asked.is_some())) {
-        if asked.is_none() && stop.load(Ordering::Relaxed) {
-            asked = Some(Instant::now());
-            working.iter_mut().for_each(|(_, worker)| worker.ask_to_stop());
-        }
-        if asked.is_some_and(|at| at.elapsed() > PATIENCE) {
-            return Ok(false);
-        }
-        while asked.is_none() && working.len() < places {
-            let Some(job) = waiting.pop_front() else { break };
-            let number = job.number;
-            let what = format!("cannot start simulation {number} with {}", workshop.program.display());
-            working.push((number, start(workshop, job).map_err(system(what))?));
-        }
-        let mut index = 0;
-        let mut ended = 0;
-        while index < working.len() {
-            let number = working[index].0;
-            let what = || format!("cannot see how simulation {number} ended");
-            let Some(status) = working[index].1.ended().map_err(system(what()))? else {
-                index += 1;
-                continue;
-            };
-            let (_, worker) = working.swap_remove(index);
-            ended += 1;
-            if let Some(outcome) = worker.outcome(status, workshop).map_err(system(what()))? {
-                record(database, &outcome, machine)?;
-                done += 1;
-                let left = started.elapsed().mul_f64((all - done) as f64 / done as f64);
-                tell(&Progress { done, all, last: (number, outcome.status, outcome.reason), left });
-            } else {
-                // It was interrupted together with us; we learn of it in a moment.
-                stop.store(true, Ordering::Relaxed);
+struct Queue {
+    waiting: VecDeque<Job>,
+    /// Other runs work on these.
+    elsewhere: Vec<Job>,
+    working: Vec<(usize, Worker)>,
+    done: usize,
+    all: usize,
+}
+
+impl Queue {
+    fn rounds(&mut self, place: &Place<'_>, tell: &mut dyn FnMut(&Progress)) -> Result<bool, QueueError> {
+        let begun = Instant::now();
+        let mut asked: Option<Instant> = None;
+        let (mut beaten, mut looked) = (begun, begun);
+        let mut tell = |queue: &mut Queue, last: (usize, String, String)| {
+            queue.done += 1;
+            let left = begun.elapsed().mul_f64((queue.all - queue.done) as f64 / queue.done as f64);
+            tell(&Progress { done: queue.done, all: queue.all, last, left });
+        };
+        while !self.working.is_empty() || asked.is_none() && self.waiting.len() + self.elsewhere.len() > 0 {
+            if asked.is_none() && place.stop.load(Ordering::Relaxed) {
+                asked = Some(Instant::now());
+                self.working.iter_mut().for_each(|(_, worker)| worker.ask_to_stop());
+            }
+            if asked.is_some_and(|at| at.elapsed() > PATIENCE) {
+                return Ok(false);
+            }
+            if beaten.elapsed() > BEAT {
+                beaten = Instant::now();
+                beat(place.database, place.owner)?;
+            }
+            if self.waiting.is_empty() && looked.elapsed() > LOOK_ELSEWHERE {
+                looked = Instant::now();
+                self.waiting.extend(self.elsewhere.drain(..));
+            }
+            while asked.is_none() && self.working.len() < place.places {
+                let Some(job) = self.waiting.pop_front() else { break };
+                match claim(place.database, &job.hash, place.owner, job.before)? {
+                    Claim::Ours => {
+                        let number = job.number;
+                        let what =
+                            format!("cannot start simulation {number} with {}", place.workshop.program.display());
+                        let worker = start(place.workshop, job, place.owner);
+                        let worker = worker.map_err(|source| QueueError::System { what, source })?;
+                        self.working.push((number, worker));
+                    }
+                    Claim::Elsewhere => self.elsewhere.push(job),
+                    Claim::Recorded(status) => tell(self, (job.number, status, "by another run".to_owned())),
+                }
+            }
+            let mut ended = false;
+            for index in (0..self.working.len()).rev() {
+                let number = self.working[index].0;
+                let system =
+                    |source| QueueError::System { what: format!("cannot see how simulation {number} ended"), source };
+                let Some(status) = self.working[index].1.ended(place.workshop).map_err(system)? else { continue };
+                ended = true;
+                let (_, worker) = self.working.swap_remove(index);
+                let Some(left) = worker.left(status, place.workshop).map_err(system)? else {
+                    // It was interrupted together with us; we learn of it in a moment.
+                    place.stop.store(true, Ordering::Relaxed);
+                    continue;
+                };
+                let outcome = keep(left, &place.workshop.results).map_err(system)?;
+                if record(place.database, &outcome, place.machine, place.owner)? {
+                    tell(self, (number, outcome.status, outcome.reason));
+                } else {
+                    // We were taken for dead, and another run has it or had it.
+                    let status = recorded(place.database, &outcome.hash)?.map_or("elsewhere".to_owned(), |(_, s)| s);
+                    tell(self, (number, status, "by another run".to_owned()));
+                }
+            }
+            if !ended {
+                std::thread::park_timeout(LOOK);
             }
         }
-        if ended == 0 && !working.is_empty() {
-            std::thread::park_timeout(LOOK);
-        }
+        Ok(asked.is_none() && !place.stop.load(Ordering::Relaxed))
     }
-    Ok(asked.is_none() && !stop.load(Ordering::Relaxed))
 }

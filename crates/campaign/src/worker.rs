@@ -1,10 +1,16 @@
 //! One simulation as a process of its own: `souple run SCENE --set … --json --out FOLDER`.
 //!
 //! The process holds a pipe from us as its standard input and stops when that closes: when we ask it to, or when we are
-//! gone, however suddenly. Its folder is named after us until it is done, so that two of us never share one.
+//! gone, however suddenly. Its folder, `HASH.OWNER`, is named after us until it is done, so that two of us never share
+//! one; what those leave who were killed is removed when they are known to be gone.
+
+mod picture;
 
 use crate::database::Outcome;
 use crate::identity::sha256;
+use crate::owner::Owner;
+use crate::traction::{Traction, moduli};
+use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 use std::fs::{self, File};
 use std::io;
@@ -13,7 +19,7 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::Instant;
 
 /// What a process is to do.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Job {
     /// Number of the first member that asks for it.
     pub number: usize,
@@ -25,23 +31,33 @@ pub struct Job {
     pub overrides: Vec<String>,
     /// Body, position, law, parameters as JSON.
     pub materials: Vec<(String, usize, String, String)>,
+    /// Whether it is a sequence of equilibria.
+    pub quasi_static: bool,
+    /// The traction test that it is.
+    pub traction: Option<Traction>,
+    /// Id of what is recorded of it and is to be replaced.
+    pub before: Option<i64>,
 }
 
 /// Where and with what processes run.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Workshop {
     /// The `souple` program.
     pub program: PathBuf,
     /// SHA-256 of that program.
     pub program_hash: String,
-    /// The scene's file.
+    /// The scene's file: a copy.
     pub scene: PathBuf,
+    /// What people call the scene.
+    pub scene_name: String,
     /// Folder of the results of all simulations.
     pub results: PathBuf,
     /// Threads of each process.
     pub threads: usize,
     /// Whether the scene expects something.
     pub check: bool,
+    /// The program that draws a picture of each simulation's end; none: no pictures.
+    pub view: Option<PathBuf>,
 }
 
 /// A process at work.
@@ -51,15 +67,28 @@ pub struct Worker {
     child: Child,
     folder: PathBuf,
     started: Instant,
+    /// How it ended, after how many seconds.
+    ended: Option<(ExitStatus, f64)>,
+    /// What draws its picture, and since when.
+    drawing: Option<(Child, Instant)>,
 }
 
-/// Starts a process.
+/// What a process leaves.
+#[derive(Debug)]
+pub struct Left {
+    /// What became of the simulation; its files are not in it yet.
+    pub outcome: Outcome,
+    /// The folder with its files.
+    pub folder: PathBuf,
+}
+
+/// Starts a process; the calling thread is unparked when it ends.
 ///
 /// # Errors
 ///
 /// When its folder cannot be made or the program cannot be started.
-pub fn start(workshop: &Workshop, job: Job) -> io::Result<Worker> {
-    let folder = workshop.results.join(format!("{}.{}", job.hash, std::process::id()));
+pub fn start(workshop: &Workshop, job: Job, owner: &Owner) -> io::Result<Worker> {
+    let folder = workshop.results.join(format!("{}.{owner}", job.hash));
     if folder.exists() {
         fs::remove_dir_all(&folder)?;
     }
@@ -74,9 +103,22 @@ pub fn start(workshop: &Workshop, job: Job) -> io::Result<Worker> {
     for change in &job.overrides {
         command.arg("--set").arg(change);
     }
-    command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(File::create(folder.join("messages.txt"))?);
-    let child = command.spawn()?;
-    Ok(Worker { job, child, folder, started: Instant::now() })
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(File::create(folder.join("messages.txt"))?);
+    let mut child = command.spawn()?;
+    wake_at_end_of(&mut child);
+    Ok(Worker { job, child, folder, started: Instant::now(), ended: None, drawing: None })
+}
+
+/// Unparks this thread when the process ends: then its output ends. So we learn of it without asking again and again.
+fn wake_at_end_of(child: &mut Child) {
+    if let Some(mut output) = child.stdout.take() {
+        let waiting = std::thread::current();
+        std::thread::spawn(move || {
+            // What it says is in its files too.
+            let _ = io::copy(&mut output, &mut io::sink());
+            waiting.unpark();
+        });
+    }
 }
 
 impl Worker {
@@ -87,35 +129,55 @@ impl Worker {
 
     /// Ends the process, removes what it left, and does not record it.
     pub fn abandon(mut self) {
-        // It may have ended by itself just now.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
+        // They may have ended by themselves just now.
+        for child in [Some(&mut self.child), self.drawing.as_mut().map(|(child, _)| child)].into_iter().flatten() {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
         let _ = fs::remove_dir_all(&self.folder);
     }
 
-    /// Whether the process has ended.
+    /// How the process ended, when it and what draws its picture have.
     ///
     /// # Errors
     ///
     /// When the system does not tell.
-    pub fn ended(&mut self) -> io::Result<Option<ExitStatus>> {
-        self.child.try_wait()
+    pub fn ended(&mut self, workshop: &Workshop) -> io::Result<Option<ExitStatus>> {
+        let Some((status, _)) = self.ended else {
+            let Some(status) = self.child.try_wait()? else { return Ok(None) };
+            self.ended = Some((status, self.started.elapsed().as_secs_f64()));
+            self.drawing = picture::start(&self.folder, workshop.view.as_deref(), status);
+            if let Some((child, _)) = &mut self.drawing {
+                wake_at_end_of(child);
+                return Ok(None);
+            }
+            return Ok(Some(status));
+        };
+        if let Some((child, since)) = &mut self.drawing {
+            if child.try_wait()?.is_none() && since.elapsed() < picture::PATIENCE {
+                return Ok(None);
+            }
+            // A picture that takes this long is none.
+            let _ = child.kill();
+            child.wait()?;
+            self.drawing = None;
+        }
+        Ok(Some(status))
     }
 
     /// What a process that has ended leaves; none when it was interrupted.
     ///
     /// # Errors
     ///
-    /// When its folder cannot be given its final name.
-    pub fn outcome(self, status: ExitStatus, workshop: &Workshop) -> io::Result<Option<Outcome>> {
-        if status.code() == Some(130) {
+    /// When the folder of one that was interrupted cannot be removed.
+    pub fn left(self, status: ExitStatus, workshop: &Workshop) -> io::Result<Option<Left>> {
+        if interrupted(status) {
             fs::remove_dir_all(&self.folder)?;
             return Ok(None);
         }
-        let wall_s = self.started.elapsed().as_secs_f64();
         let messages = fs::read_to_string(self.folder.join("messages.txt")).unwrap_or_default();
-        let summary = fs::read_to_string(self.folder.join("summary.json")).ok();
-        let summary: Json = summary.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or(Json::Null);
+        let messages = messages.replace(&workshop.scene.display().to_string(), &workshop.scene_name);
+        let summary = summary(&self.folder);
         let said = || messages.rsplit_once("error: ").map_or(messages.as_str(), |(_, last)| last).trim().to_owned();
         let (name, reason) = match (status.code(), summary["status"].as_str()) {
             // 1: expectations that are not met are errors in the table, not failures.
@@ -123,30 +185,105 @@ impl Worker {
             (Some(0 | 1), Some(_)) => ("finished", String::new()),
             (Some(2), _) => ("invalid", said()),
             (Some(3), _) => ("failed", said()),
+            (Some(4), _) => ("unwritten", said()),
             _ => ("crashed", format!("the process ended with {status}; {}", said())),
         };
-        let folder = workshop.results.join(&self.job.hash);
-        if folder.exists() {
-            fs::remove_dir_all(&folder)?;
-        }
-        fs::rename(&self.folder, &folder)?;
-        Ok(Some(Outcome {
+        // What still moves is no equilibrium, and its forces are not those of its strains alone.
+        let balanced = name == "at rest" || name == "finished" && self.job.quasi_static;
+        let test = self.job.traction.as_ref().filter(|_| balanced);
+        let measured = test.map_or(Vec::new(), |test| moduli(test, &summary));
+        let outcome = Outcome {
             hash: self.job.hash,
             status: name.to_owned(),
             reason,
             program: workshop.program_hash.clone(),
             device: self.job.device,
             threads: workshop.threads,
-            wall_s,
+            wall_s: self.ended.map_or(0.0, |(_, wall_s)| wall_s),
             summary,
             materials: self.job.materials,
-            meshes: meshes(&folder, &workshop.results)?,
-        }))
+            measured: measured.into_iter().map(|(what, x)| ("traction".to_owned(), what, x)).collect(),
+            meshes: Vec::new(),
+            picture: None,
+        };
+        Ok(Some(Left { outcome, folder: self.folder }))
     }
 }
 
-/// The last picture of every body: files are `BODY_NUMBER.vtu`.
-fn meshes(folder: &Path, results: &Path) -> io::Result<Vec<(String, String, String)>> {
+/// Whether Ctrl-C ended the process: it says so itself, unless it had not come to listen yet.
+fn interrupted(status: ExitStatus) -> bool {
+    #[cfg(unix)]
+    let before_it_listened = std::os::unix::process::ExitStatusExt::signal(&status) == Some(2);
+    #[cfg(not(unix))]
+    let before_it_listened = false;
+    status.code() == Some(130) || before_it_listened
+}
+
+/// What the simulation in a folder measured; null where it came to no summary.
+pub(crate) fn summary(folder: &Path) -> Json {
+    let text = fs::read_to_string(folder.join("summary.json")).ok();
+    text.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or(Json::Null)
+}
+
+/// Puts the folder of a simulation among the results, where its hash is its name, and notes its files.
+///
+/// # Errors
+///
+/// When the folder cannot be given its name, or its files cannot be read.
+pub fn keep(left: Left, results: &Path) -> io::Result<Outcome> {
+    let Left { mut outcome, folder: from } = left;
+    let folder = results.join(&outcome.hash);
+    replace_folder(&from, &folder)?;
+    outcome.meshes = meshes(&folder, results)?;
+    outcome.picture = Some(folder.join(picture::FILE)).filter(|path| path.is_file()).map(|path| below(&path, results));
+    Ok(outcome)
+}
+
+/// A path relative to the folder in which the results lie.
+fn below(path: &Path, results: &Path) -> String {
+    let base = results.parent().and_then(|base| path.strip_prefix(base).ok()).unwrap_or(path);
+    base.display().to_string()
+}
+
+/// Gives a folder its final name, also while somebody else does the same, and across file systems.
+fn replace_folder(from: &Path, to: &Path) -> io::Result<()> {
+    let mut last = Ok(());
+    for _ in 0..3 {
+        match fs::remove_dir_all(to) {
+            Err(e) if e.kind() != io::ErrorKind::NotFound => last = Err(e),
+            _ => match fs::rename(from, to) {
+                Ok(()) => return Ok(()),
+                Err(e) if e.kind() == io::ErrorKind::CrossesDevices => {
+                    fs::create_dir_all(to)?;
+                    for entry in fs::read_dir(from)? {
+                        let path = entry?.path();
+                        fs::copy(&path, to.join(path.file_name().unwrap_or_default()))?;
+                    }
+                    return fs::remove_dir_all(from);
+                }
+                Err(e) => last = Err(e),
+            },
+        }
+    }
+    last
+}
+
+/// Removes the folders of simulations whose runs are gone without having ended them.
+pub fn remove_leftovers(results: &Path) {
+    let Ok(entries) = fs::read_dir(results) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let Some((hash, owner)) = name.to_str().and_then(|name| name.split_once('.')) else { continue };
+        let ours = hash.len() == 64 && hash.bytes().all(|b| b.is_ascii_hexdigit());
+        if ours && owner.parse::<Owner>().is_ok_and(|owner| owner.is_gone()) {
+            // Its process may still be writing its last state; then the next run removes it.
+            let _ = fs::remove_dir_all(entry.path());
+        }
+    }
+}
+
+/// The last state of every body: files are `BODY_NUMBER.vtu`.
+fn last_states(folder: &Path) -> io::Result<Vec<(String, String)>> {
     let mut names: Vec<String> =
         fs::read_dir(folder)?.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     names.sort();
@@ -163,11 +300,15 @@ fn meshes(folder: &Path, results: &Path) -> io::Result<Vec<(String, String, Stri
             None => last.push((body.to_owned(), name.clone())),
         }
     }
-    last.into_iter()
-        .map(|(body, name)| {
-            let hash = sha256(&fs::read(folder.join(&name))?);
-            let below = results.parent().and_then(|base| folder.strip_prefix(base).ok()).unwrap_or(folder);
-            Ok((body, below.join(name).display().to_string(), hash))
-        })
-        .collect()
+    Ok(last)
+}
+
+/// Body, path and SHA-256 of its last state.
+fn meshes(folder: &Path, results: &Path) -> io::Result<Vec<(String, String, String)>> {
+    let last = last_states(folder)?.into_iter();
+    last.map(|(body, name)| {
+        let path = folder.join(&name);
+        Ok((body, below(&path, results), sha256(&fs::read(&path)?)))
+    })
+    .collect()
 }

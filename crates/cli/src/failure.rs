@@ -13,6 +13,8 @@ pub(crate) enum Failure {
     Input(anyhow::Error),
     /// The simulation failed.
     Simulation(String),
+    /// What the command gives cannot be written: a full disk, a folder that may not be written.
+    Output(anyhow::Error),
     /// Stopped by the person at the keyboard.
     Interrupted(String),
 }
@@ -24,6 +26,7 @@ impl Failure {
             Failure::Unmet(_) => 1,
             Failure::Input(_) => 2,
             Failure::Simulation(_) => 3,
+            Failure::Output(_) => 4,
             Failure::Interrupted(_) => 130,
         }
     }
@@ -34,7 +37,7 @@ impl fmt::Display for Failure {
         match self {
             Failure::OutputClosed => Ok(()),
             Failure::Unmet(lines) => write!(f, "expectations not met:\n  {}", lines.join("\n  ")),
-            Failure::Input(error) => write!(f, "{error:#}"),
+            Failure::Input(error) | Failure::Output(error) => write!(f, "{error:#}"),
             Failure::Simulation(message) | Failure::Interrupted(message) => f.write_str(message),
         }
     }

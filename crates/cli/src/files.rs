@@ -26,6 +26,10 @@ pub(crate) fn read_text(path: &Path) -> Result<String, Failure> {
 /// The content goes to a neighbour first and takes the file's name when it is complete: a full disk or an interruption
 /// leaves no half file under the name, and what was there before stays until then.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    put(path, bytes).map_err(Failure::Output)
+}
+
+fn put(path: &Path, bytes: &[u8]) -> Result<(), anyhow::Error> {
     let context = || format!("cannot write {}", path.display());
     if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
@@ -43,5 +47,5 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
         // The reason that matters is the first one.
         let _ = std::fs::remove_file(&part);
     }
-    Ok(written.with_context(context)?)
+    written.with_context(context)
 }

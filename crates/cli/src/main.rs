@@ -4,8 +4,9 @@
 //! |---|---|
 //! | 0 | done; with `--check`, the scene's expectations are met |
 //! | 1 | the scene's expectations are not met |
-//! | 2 | bad input: arguments, scene, mesh, or a file that cannot be read or written |
+//! | 2 | bad input: arguments, scene, mesh, or a file that cannot be read |
 //! | 3 | the simulation failed; its last good state is on disk |
+//! | 4 | what the command gives cannot be written: a full disk, a folder that may not be written |
 //! | 130 | interrupted; the state of the last finished step is on disk |
 //!
 //! Each command is one module of `commands`: its arguments, and a function that runs it.

@@ -34,8 +34,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, String> {
             arguments.a
         ));
     }
-    let a = whole_group(&open(&arguments.db)?, &arguments.db, Some(&arguments.a))?;
-    let b = whole_group(&open(other)?, other, Some(&arguments.b))?;
+    let a = whole_group(&open(&arguments.db)?, Some(&arguments.a))?;
+    let b = whole_group(&open(other)?, Some(&arguments.b))?;
     let comparison = compare(&a, &b);
     if arguments.json {
         let json = serde_json::to_string_pretty(&comparison).map_err(|e| format!("cannot write JSON: {e}"))?;

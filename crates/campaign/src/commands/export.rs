@@ -31,7 +31,7 @@ enum Format {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, String> {
-    let group = whole_group(&open(&arguments.db)?, &arguments.db, arguments.group.as_deref())?;
+    let group = whole_group(&open(&arguments.db)?, arguments.group.as_deref())?;
     let columns = columns(&group);
     let bytes = match arguments.format {
         Format::Csv => csv(&table(&columns)).into_bytes(),

@@ -2,7 +2,7 @@
 
 use super::{open, whole_group};
 use crate::output::note;
-use souple_campaign::campaign::results_of;
+use souple_campaign::database::Location;
 use souple_campaign::report::page::{Surroundings, html};
 use std::path::{Component, Path, PathBuf};
 use std::process::ExitCode;
@@ -12,8 +12,8 @@ use std::process::ExitCode;
 pub(crate) struct Arguments {
     /// Its name; without it, the last group
     group: Option<String>,
-    /// The database
-    #[arg(long, value_name = "FILE", default_value = "campaign.db")]
+    /// The database: a file, or postgres://USER@HOST/DATABASE
+    #[arg(long, value_name = "FILE|URL", default_value = "campaign.db")]
     db: String,
     /// The page
     #[arg(short, long, value_name = "FILE", default_value = "report.html")]
@@ -22,8 +22,8 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, String> {
     let database = open(&arguments.db)?;
-    let group = whole_group(&database, &arguments.db, arguments.group.as_deref())?;
-    let results = results_of(Path::new(&arguments.db));
+    let group = whole_group(&database, arguments.group.as_deref())?;
+    let results = Location::parse(&arguments.db).results();
     let surroundings = Surroundings { results: address(&results, &arguments.output), live: None };
     let page = html(&group, &surroundings);
     std::fs::write(&arguments.output, page).map_err(|e| format!("cannot write {}: {e}", arguments.output.display()))?;

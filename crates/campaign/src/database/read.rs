@@ -1,7 +1,6 @@
 //! Reading: the groups, and one group as a table.
 
-use super::{Database, DatabaseError};
-use rusqlite::{OptionalExtension as _, Row};
+use super::{Database, DatabaseError, Row, Value};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A group in a list.
@@ -34,7 +33,7 @@ const GROUPS: &str = "SELECT g.id, g.name, g.folder, COUNT(*), COUNT(s.id),
     COUNT(CASE WHEN s.status IN ('finished', 'at rest') THEN 1 END)
     FROM groups g JOIN members m ON m.group_id = g.id LEFT JOIN simulations s ON s.hash = m.hash";
 
-fn group_row(row: &Row<'_>) -> Result<GroupRow, rusqlite::Error> {
+fn group_row(row: &Row) -> Result<GroupRow, DatabaseError> {
     Ok(GroupRow {
         id: row.get(0)?,
         name: row.get(1)?,
@@ -51,11 +50,7 @@ fn group_row(row: &Row<'_>) -> Result<GroupRow, rusqlite::Error> {
 ///
 /// When the database cannot be read.
 pub fn groups(database: &Database) -> Result<Vec<GroupRow>, DatabaseError> {
-    let read = || -> Result<Vec<GroupRow>, rusqlite::Error> {
-        let mut query = database.connection.prepare(&format!("{GROUPS} GROUP BY g.id ORDER BY g.id"))?;
-        query.query_map([], group_row)?.collect()
-    };
-    read().map_err(|e| database.failed(e))
+    database.query(&format!("{GROUPS} GROUP BY g.id ORDER BY g.id"), &[])?.iter().map(group_row).collect()
 }
 
 /// The last group of this name, as it was described last; without a name the last of all.
@@ -64,8 +59,21 @@ pub fn groups(database: &Database) -> Result<Vec<GroupRow>, DatabaseError> {
 ///
 /// When the database cannot be read.
 pub fn latest_group(database: &Database, name: Option<&str>) -> Result<Option<GroupRow>, DatabaseError> {
-    let sql = format!("{GROUPS} WHERE ?1 IS NULL OR g.name = ?1 GROUP BY g.id ORDER BY g.id DESC LIMIT 1");
-    database.connection.query_row(&sql, [name], group_row).optional().map_err(|e| database.failed(e))
+    let (condition, values) = match name {
+        Some(name) => ("WHERE g.name = $1", vec![Value::from(name)]),
+        None => ("", Vec::new()),
+    };
+    let sql = format!("{GROUPS} {condition} GROUP BY g.id ORDER BY g.id DESC LIMIT 1");
+    database.query(&sql, &values)?.first().map(group_row).transpose()
+}
+
+/// The group with this id.
+///
+/// # Errors
+///
+/// When the database cannot be read.
+pub fn group(database: &Database, id: i64) -> Result<Option<GroupRow>, DatabaseError> {
+    database.query(&format!("{GROUPS} WHERE g.id = $1 GROUP BY g.id"), &[id.into()])?.first().map(group_row).transpose()
 }
 
 /// One group: parameters, status, times, and every single number that was measured.
@@ -74,31 +82,27 @@ pub fn latest_group(database: &Database, name: Option<&str>) -> Result<Option<Gr
 ///
 /// When the database cannot be read.
 pub fn table(database: &Database, group: i64) -> Result<Table, DatabaseError> {
-    read_table(database, group).map_err(|e| database.failed(e))
-}
-
-fn read_table(database: &Database, group: i64) -> Result<Table, rusqlite::Error> {
-    let connection = &database.connection;
-    let parameters: Vec<(i64, String)> = connection
-        .prepare("SELECT id, name FROM parameters WHERE group_id = ?1 ORDER BY position")?
-        .query_map([group], |row| Ok((row.get(0)?, row.get(1)?)))?
-        .collect::<Result<_, _>>()?;
-    let mut values: BTreeMap<(i64, i64), String> = BTreeMap::new();
-    let mut query = connection.prepare("SELECT number, parameter_id, value FROM member_values WHERE group_id = ?1")?;
-    let mut found = query.query([group])?;
-    while let Some(row) = found.next()? {
-        values.insert((row.get(0)?, row.get(1)?), row.get(2)?);
-    }
+    let of_group = [Value::from(group)];
+    let parameters: Vec<(i64, String)> = database
+        .query("SELECT id, name FROM parameters WHERE group_id = $1 ORDER BY position", &of_group)?
+        .iter()
+        .map(|row| Ok((row.get(0)?, row.get(1)?)))
+        .collect::<Result<_, DatabaseError>>()?;
+    let values: BTreeMap<(i64, i64), String> = database
+        .query("SELECT number, parameter_id, value FROM member_values WHERE group_id = $1", &of_group)?
+        .iter()
+        .map(|row| Ok(((row.get(0)?, row.get(1)?), row.get(2)?)))
+        .collect::<Result<_, DatabaseError>>()?;
     let mut measured: BTreeMap<(i64, String), f64> = BTreeMap::new();
     let mut quantities: BTreeSet<String> = BTreeSet::new();
-    let mut query = connection.prepare(
+    let found = database.query(
         "SELECT m.number, v.probe, v.quantity, v.component, v.value FROM members m
-         JOIN simulations s ON s.hash = m.hash JOIN measurements v ON v.simulation_id = s.id WHERE m.group_id = ?1
+         JOIN simulations s ON s.hash = m.hash JOIN measurements v ON v.simulation_id = s.id WHERE m.group_id = $1
          UNION ALL SELECT m.number, 'ms per step', t.phase, '', t.ms_per_step FROM members m
-         JOIN simulations s ON s.hash = m.hash JOIN timings t ON t.simulation_id = s.id WHERE m.group_id = ?1",
+         JOIN simulations s ON s.hash = m.hash JOIN timings t ON t.simulation_id = s.id WHERE m.group_id = $1",
+        &of_group,
     )?;
-    let mut found = query.query([group])?;
-    while let Some(row) = found.next()? {
+    for row in &found {
         let parts: [String; 3] = [row.get(1)?, row.get(2)?, row.get(3)?];
         let name = parts.join(" ").trim_end().to_owned();
         quantities.insert(name.clone());
@@ -109,19 +113,19 @@ fn read_table(database: &Database, group: i64) -> Result<Table, rusqlite::Error>
     heads.extend(["status", "steps", "simulated s", "nodes", "elements", "wall s"].map(String::from));
     heads.extend(quantities.iter().cloned());
     heads.push("reason".to_owned());
-    let mut query = connection.prepare(
+    let found = database.query(
         "SELECT m.number, b.name, m.device, s.status, s.steps, s.simulated_s, s.nodes,
-         (SELECT SUM(count) FROM element_counts e WHERE e.simulation_id = s.id), s.wall_s, s.reason
+         (SELECT CAST(SUM(e.count) AS BIGINT) FROM element_counts e WHERE e.simulation_id = s.id), s.wall_s, s.reason
          FROM members m LEFT JOIN bars b ON b.id = m.bar_id LEFT JOIN simulations s ON s.hash = m.hash
-         WHERE m.group_id = ?1 ORDER BY m.number",
+         WHERE m.group_id = $1 ORDER BY m.number",
+        &of_group,
     )?;
-    let mut found = query.query([group])?;
     let mut rows = Vec::new();
-    while let Some(row) = found.next()? {
+    for row in &found {
         let number: i64 = row.get(0)?;
-        let whole = |at: usize| Ok::<_, rusqlite::Error>(row.get::<_, Option<i64>>(at)?.map(|x| x.to_string()));
-        let real = |at: usize| Ok::<_, rusqlite::Error>(row.get::<_, Option<f64>>(at)?.map(|x| format!("{x:?}")));
-        let text = |at: usize| row.get::<_, Option<String>>(at);
+        let whole = |at: usize| Ok::<_, DatabaseError>(row.get::<Option<i64>>(at)?.map(|x| x.to_string()));
+        let real = |at: usize| Ok::<_, DatabaseError>(row.get::<Option<f64>>(at)?.map(|x| format!("{x:?}")));
+        let text = |at: usize| row.get::<Option<String>>(at);
         let mut cells = vec![Some(number.to_string()), text(1)?, text(2)?];
         cells.extend(parameters.iter().map(|(id, _)| values.get(&(number, *id)).cloned()));
         cells.push(Some(text(3)?.unwrap_or_else(|| "to do".to_owned())));
@@ -152,16 +156,16 @@ pub struct Unmet {
 ///
 /// When the database cannot be read.
 pub fn unmet(database: &Database, group: i64) -> Result<Vec<Unmet>, DatabaseError> {
-    let read = || -> Result<Vec<Unmet>, rusqlite::Error> {
-        let mut query = database.connection.prepare(
-            "SELECT m.number, e.name, e.difference, e.tolerance FROM members m JOIN simulations s ON s.hash = m.hash
-             JOIN errors e ON e.simulation_id = s.id WHERE m.group_id = ?1 AND e.met = 0
-             ORDER BY m.number, e.position",
-        )?;
-        let unmet = |row: &Row<'_>| {
+    let found = database.query(
+        "SELECT m.number, e.name, e.difference, e.tolerance FROM members m JOIN simulations s ON s.hash = m.hash
+         JOIN errors e ON e.simulation_id = s.id WHERE m.group_id = $1 AND e.met = 0
+         ORDER BY m.number, e.position",
+        &[group.into()],
+    )?;
+    found
+        .iter()
+        .map(|row| {
             Ok(Unmet { number: row.get(0)?, name: row.get(1)?, difference: row.get(2)?, tolerance: row.get(3)? })
-        };
-        query.query_map([group], unmet)?.collect()
-    };
-    read().map_err(|e| database.failed(e))
+        })
+        .collect()
 }

@@ -6,7 +6,7 @@
 use super::data::{
     Bar, Curve, Done, Expectation, Group, Machine, Material, Measurement, Parameter, Section, Simulation,
 };
-use crate::database::{Database, DatabaseError};
+use crate::database::{Database, DatabaseError, Row};
 use std::collections::BTreeMap;
 
 /// Reads the group with this id.
@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 /// When the database cannot be read.
 pub fn group(database: &Database, id: i64) -> Result<Group, DatabaseError> {
     let head = rows(database, "SELECT name, folder, source, scene FROM groups WHERE id = $1", id, |row| {
-        Ok((row.get::<_, String>(0)?, row.get::<_, String>(1)?, row.get::<_, String>(2)?, row.get::<_, String>(3)?))
+        Ok((row.get::<String>(0)?, row.get::<String>(1)?, row.get::<String>(2)?, row.get::<String>(3)?))
     })?;
     let (name, folder, source, scene) = head.into_iter().next().unwrap_or_default();
     let (parameter_ids, parameters) = parameters(database, id)?;
@@ -55,11 +55,9 @@ fn rows<T>(
     database: &Database,
     sql: &str,
     group: i64,
-    each: impl FnMut(&rusqlite::Row<'_>) -> Result<T, rusqlite::Error>,
+    each: impl FnMut(&Row) -> Result<T, DatabaseError>,
 ) -> Result<Vec<T>, DatabaseError> {
-    let read =
-        || -> Result<Vec<T>, rusqlite::Error> { database.connection.prepare(sql)?.query_map([group], each)?.collect() };
-    read().map_err(|e| database.failed(e))
+    database.query(sql, &[group.into()])?.iter().map(each).collect()
 }
 
 fn parameters(database: &Database, group: i64) -> Result<(Vec<i64>, Vec<Parameter>), DatabaseError> {
@@ -74,7 +72,7 @@ fn parameters(database: &Database, group: i64) -> Result<(Vec<i64>, Vec<Paramete
             step: row.get(5)?,
             count: row.get(6)?,
         };
-        Ok((row.get::<_, i64>(0)?, parameter))
+        Ok((row.get::<i64>(0)?, parameter))
     })?;
     Ok(found.into_iter().unzip())
 }
@@ -82,13 +80,13 @@ fn parameters(database: &Database, group: i64) -> Result<(Vec<i64>, Vec<Paramete
 fn bars(database: &Database, group: i64) -> Result<(Vec<i64>, Vec<Bar>), DatabaseError> {
     let sql = "SELECT id, name FROM bars WHERE group_id = $1 ORDER BY position";
     let found =
-        rows(database, sql, group, |row| Ok((row.get::<_, i64>(0)?, Bar { name: row.get(1)?, sections: Vec::new() })))?;
+        rows(database, sql, group, |row| Ok((row.get::<i64>(0)?, Bar { name: row.get(1)?, sections: Vec::new() })))?;
     let (ids, mut bars): (Vec<i64>, Vec<Bar>) = found.into_iter().unzip();
     let sql = "SELECT s.bar_id, s.until, s.law, s.element, s.quadrature FROM sections s JOIN bars b ON b.id = s.bar_id
         WHERE b.group_id = $1 ORDER BY s.bar_id, s.position";
     let sections = rows(database, sql, group, |row| {
         let section = Section { until: row.get(1)?, law: row.get(2)?, element: row.get(3)?, quadrature: row.get(4)? };
-        Ok((row.get::<_, i64>(0)?, section))
+        Ok((row.get::<i64>(0)?, section))
     })?;
     for (bar, section) in sections {
         if let Some(at) = ids.iter().position(|&id| id == bar) {
@@ -125,7 +123,7 @@ fn simulations(database: &Database, group: i64) -> Result<(Vec<Machine>, BTreeMa
             expectations: Vec::new(),
             materials: Vec::new(),
         };
-        Ok((row.get::<_, i64>(0)?, machine, done))
+        Ok((row.get::<i64>(0)?, machine, done))
     })?;
     let mut machines: Vec<Machine> = Vec::new();
     let mut all = BTreeMap::new();
@@ -183,7 +181,7 @@ fn parts(database: &Database, group: i64, done: &mut BTreeMap<i64, Done>) -> Res
         ORDER BY c.simulation_id, c.probe, c.quantity, p.position";
     let found = rows(database, sql, group, |row| {
         let point = [row.get(3)?, row.get(4)?, row.get(5)?];
-        Ok((row.get(0)?, row.get::<_, String>(1)?, row.get::<_, String>(2)?, point))
+        Ok((row.get(0)?, row.get::<String>(1)?, row.get::<String>(2)?, point))
     })?;
     for (id, probe, quantity, point) in found {
         give(done, id, |d| match d.curves.last_mut() {

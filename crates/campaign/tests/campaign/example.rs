@@ -13,7 +13,7 @@ fn read(folder: &Path) -> Group {
 }
 
 /// Parameters in the order of table 5.2, and their values where only one is printed for all twelve simulations.
-const FIXED: &[(&str, f64)] = &[
+pub(crate) const FIXED: &[(&str, f64)] = &[
     ("longueur", 1.2),
     ("largeurSection", 0.2),
     ("densite", 800.0),

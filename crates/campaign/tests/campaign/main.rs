@@ -5,9 +5,14 @@
 mod browser;
 mod compare;
 mod description;
+mod disturbed;
 mod example;
 mod export;
+mod place;
+mod postgres;
 mod report;
 mod running;
+mod schedulers;
 mod serve;
 mod shipped;
+mod traction;

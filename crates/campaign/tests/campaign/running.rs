@@ -1,112 +1,8 @@
-//! Running a campaign: failures stay alone, nothing is lost or repeated, whatever happens.
+//! Running a campaign: failures stay alone, and what is not the simulation's fault is repeated.
 
-use souple_campaign::database::{Database, Table, latest_group, table};
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
-use std::time::{Duration, Instant};
-
-/// A small bar; explicit, so that a long step makes it fail.
-const SCENE: &str = r#"
-gravity = [0, 0, -9.81]
-[time]
-step = 1e-3
-end = 0.02
-[integrator]
-method = "symplectic-euler"
-allow_unstable_step = true
-[[body]]
-name = "bar"
-density = 1000.0
-mesh = { generator = "bar", size = [1, 0.2, 0.2], cells = [5, 1, 1], sections = [{ until = 1.0, element = "hex8" }] }
-[[body.material]]
-law = "stvk"
-young = 1e5
-poisson = 0.3
-[[body.fix]]
-region = "x_min"
-[[probe]]
-name = "tip"
-region = "x_max"
-quantity = "mean displacement"
-[[probe]]
-name = "bar"
-quantity = "deflection curve"
-[[expect]]
-probe = "tip"
-quantity = "mean displacement"
-component = "y"
-value = 1.0
-tolerance = 0.1
-"#;
-
-/// A folder of a test's own, removed when the test passes.
-pub(crate) struct Place(pub(crate) PathBuf);
-
-impl Place {
-    pub(crate) fn new(name: &str, campaign: &str) -> Place {
-        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-        let _ = std::fs::remove_dir_all(&path);
-        std::fs::create_dir_all(&path).unwrap();
-        std::fs::write(path.join("bar.toml"), SCENE).unwrap();
-        std::fs::write(path.join("campaign.toml"), campaign).unwrap();
-        Place(path)
-    }
-
-    pub(crate) fn command(&self, words: &str) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_souple-campaign"));
-        command.args(words.split_whitespace()).current_dir(&self.0);
-        command
-    }
-
-    /// Runs the command to its end and gives what it said.
-    pub(crate) fn succeeds(&self, words: &str) -> (String, String) {
-        let Output { status, stdout, stderr } = self.command(words).output().unwrap();
-        let (out, err) = (String::from_utf8(stdout).unwrap(), String::from_utf8(stderr).unwrap());
-        assert!(status.success(), "{status}: {out}{err}");
-        (out, err)
-    }
-
-    fn table(&self) -> Table {
-        let database = Database::open(&self.0.join("campaign.db")).unwrap();
-        table(&database, latest_group(&database, None).unwrap().unwrap().id).unwrap()
-    }
-
-    /// What does not depend on the clock.
-    fn results(&self) -> Vec<Vec<String>> {
-        let table = self.table();
-        let timeless = |head: &str| head != "wall s" && !head.starts_with("ms per step");
-        table
-            .rows
-            .iter()
-            .map(|row| row.iter().zip(&table.heads).filter(|(_, h)| timeless(h)).map(|(c, _)| c.clone()).collect())
-            .collect()
-    }
-}
-
-impl Drop for Place {
-    fn drop(&mut self) {
-        if !std::thread::panicking() {
-            let _ = std::fs::remove_dir_all(&self.0);
-        }
-    }
-}
-
-/// `souple` beside `souple-campaign`; it is built where only this package's tests are.
-pub(crate) fn with_souple() {
-    let campaign = Path::new(env!("CARGO_BIN_EXE_souple-campaign"));
-    if campaign.with_file_name(format!("souple{}", std::env::consts::EXE_SUFFIX)).is_file() {
-        return;
-    }
-    let target = campaign.parent().and_then(Path::parent).unwrap();
-    let built = Command::new(std::env::var("CARGO").unwrap_or_else(|_| "cargo".into()))
-        .args(["build", "--quiet", "--package", "souple-cli"])
-        .env("CARGO_TARGET_DIR", target)
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .status();
-    assert!(built.unwrap().success());
-}
-
-const STEPS: &str = "name = \"steps\"\nscene = \"bar.toml\"\n[[vary]]\nkey = \"time.step\"\nvalues = [1e-3, 2e-3]\n";
+use crate::place::{Place, SCENE, STEPS, densities, with_souple};
+use souple_campaign::database::latest_group;
+use std::process::Stdio;
 
 /// A simulation that fails and one that is invalid are recorded with their reasons, the others come to their end; the
 /// same campaign again has nothing to do; list, show and CSV tell.
@@ -193,52 +89,108 @@ fn check_compares_with_what_is_described() {
     place.succeeds("run . --jobs 2");
 }
 
-/// A run that is killed again and again, each time at another moment, ends in the table of one that was not; every
-/// simulation is there once, and none that was recorded ran again.
+/// Two descriptions that share a name are two groups; a run counts the simulations of its own.
 #[test]
-fn killed_runs_lose_and_repeat_nothing() {
+fn groups_that_share_a_name_are_counted_apart() {
     with_souple();
-    // SOUPLE_KILLS=20 is the long form.
-    let kills: u32 = std::env::var("SOUPLE_KILLS").ok().and_then(|n| n.parse().ok()).unwrap_or(4);
-    let campaign =
-        format!("{STEPS}[[vary]]\nkey = \"body.0.density\"\nfrom = 900\nto = {}\nstep = 10\n", 900 + 20 * kills);
-    let undisturbed = Place::new("undisturbed", &campaign);
-    let started = Instant::now();
-    undisturbed.succeeds("run . --jobs 2");
-    let whole = started.elapsed();
-    let place = Place::new("killed", &campaign);
-    let mut recorded: Vec<(String, i64)> = Vec::new();
-    for kill in 0..kills {
-        let mut run = place.command("run . --jobs 2").stderr(std::process::Stdio::null()).spawn().unwrap();
-        // Moments spread over the time of a run by the golden ratio, the same in every test.
-        let part = f64::from(kill + 1) * 0.618_033_988_749_895 % 1.0;
-        wait(whole.mul_f64(part * 0.5), &mut run);
-        // It may have ended by itself.
-        let _ = run.kill();
-        run.wait().unwrap();
-        let database = Database::open(&place.0.join("campaign.db")).unwrap();
-        let group = latest_group(&database, None).unwrap();
-        drop(database);
-        let database = rusqlite::Connection::open(place.0.join("campaign.db")).unwrap();
-        let mut query = database.prepare("SELECT hash, id FROM simulations").unwrap();
-        let now: Vec<(String, i64)> =
-            query.query_map([], |row| Ok((row.get(0)?, row.get(1)?))).unwrap().map(Result::unwrap).collect();
-        // A simulation that ran again would have a new id.
-        assert!(recorded.iter().all(|old| now.contains(old)), "kill {kill}");
-        assert!(group.is_none_or(|g| g.done == now.len()));
-        recorded = now;
-    }
-    place.succeeds("run . --jobs 2");
-    assert_eq!(place.results(), undisturbed.results());
-    let database = rusqlite::Connection::open(place.0.join("campaign.db")).unwrap();
-    let count: usize = database.query_row("SELECT COUNT(*) FROM simulations", [], |row| row.get(0)).unwrap();
-    assert_eq!(count, place.table().rows.len());
+    let place = Place::new("namesakes", &densities(3));
+    std::fs::create_dir(place.0.join("other")).unwrap();
+    std::fs::write(place.0.join("other/bar.toml"), SCENE).unwrap();
+    std::fs::write(place.0.join("other/campaign.toml"), densities(1)).unwrap();
+    assert!(place.succeeds("run .").0.contains("3 of 3 done"));
+    assert!(place.succeeds("run other --db campaign.db").0.contains("1 of 1 done"));
+    assert!(place.succeeds("run .").0.contains("3 of 3 done"), "not the newer group of the same name");
+    assert_eq!(latest_group(&place.database(), Some("densities")).unwrap().unwrap().members, 1);
 }
 
-/// Waits until the time is over or the process has ended.
-fn wait(time: Duration, process: &mut std::process::Child) {
-    let started = Instant::now();
-    while started.elapsed() < time && process.try_wait().unwrap().is_none() {
-        std::thread::yield_now();
+/// A program in front of `souple` that does something first; words of its command line are in `$@`, its folder is `$out`.
+#[cfg(unix)]
+fn in_front(place: &Place, what: &str) -> String {
+    use std::os::unix::fs::PermissionsExt as _;
+    let souple = std::path::Path::new(env!("CARGO_BIN_EXE_souple-campaign")).with_file_name("souple");
+    let find = "previous=; for word in \"$@\"; do [ \"$previous\" = --out ] && out=$word; previous=$word; done";
+    let path = place.0.join("in_front");
+    std::fs::write(&path, format!("#!/bin/sh\n{find}\n{what}\nexec {} \"$@\"\n", souple.display())).unwrap();
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
+    path.display().to_string()
+}
+
+/// A simulation whose results cannot be written is not invalid: the reason says what happened, and the next run repeats
+/// it by itself.
+#[cfg(unix)]
+#[test]
+fn what_could_not_be_written_is_repeated() {
+    with_souple();
+    let place = Place::new("unwritten", &densities(2));
+    // The first one finds a folder where its summary should go.
+    let once = "mkdir once 2>/dev/null && mkdir -p \"$out/summary.json\"";
+    let program = in_front(&place, once);
+    let run = format!("run . --jobs 1 --souple {program}");
+    let (_, err) = place.succeeds(&run);
+    assert!(err.contains("unwritten: cannot write") && err.contains("summary.json"), "{err}");
+    let (out, err) = place.succeeds(&run);
+    assert!(err.contains("2 simulations, 1 to do"), "{err}");
+    assert!(out.contains("2 of 2 done: 2 came to their end"), "{out}");
+}
+
+/// Simulations run from the text that was hashed: a scene that is edited in between changes nothing.
+#[cfg(unix)]
+#[test]
+fn edits_during_a_run_change_nothing() {
+    with_souple();
+    let undisturbed = Place::new("unedited", &densities(2));
+    undisturbed.succeeds("run .");
+    let place = Place::new("edited", &densities(2));
+    let program = in_front(&place, "sed -i 's/^young = 1e5/young = 1e7/' bar.toml");
+    place.succeeds(&format!("run . --souple {program}"));
+    assert!(std::fs::read_to_string(place.0.join("bar.toml")).unwrap().contains("1e7"), "it was edited");
+    assert_eq!(place.results(), undisturbed.results());
+}
+
+/// Mesh files are found beside the scene, although the scene runs from a copy.
+#[test]
+fn meshes_lie_beside_the_scene() {
+    with_souple();
+    let place = Place::new("meshes", &STEPS.replace("bar.toml", "scenes/bar.toml"));
+    std::fs::create_dir(place.0.join("scenes")).unwrap();
+    let souple = std::path::Path::new(env!("CARGO_BIN_EXE_souple-campaign")).with_file_name("souple");
+    let made = std::process::Command::new(souple)
+        .args("mesh bar --output bar.vtu --size 1,0.2,0.2 --cells 5,1,1 --section 1:hex8".split(' '))
+        .current_dir(place.0.join("scenes"))
+        .stdout(Stdio::null())
+        .status();
+    assert!(made.unwrap().success());
+    let generated = SCENE.lines().find(|line| line.starts_with("mesh = ")).unwrap();
+    let scene = SCENE.replace(generated, "mesh = { file = \"bar.vtu\" }");
+    let scene = scene.replace("region = \"x_min\"", "region = { box = { min = [-0.01, -1, -1], max = [0.01, 1, 1] } }");
+    let scene = scene.replace("region = \"x_max\"", "region = { box = { min = [0.99, -1, -1], max = [1.01, 1, 1] } }");
+    std::fs::write(place.0.join("scenes/bar.toml"), scene).unwrap();
+    let (out, err) = place.succeeds("run .");
+    assert!(out.contains("2 came to their end"), "{out}{err}");
+}
+
+/// Where a `souple-view` lies beside `souple`, it is given a scene of the end of each simulation that came to one, and the
+/// database says where its picture is.
+#[cfg(unix)]
+#[test]
+fn ends_are_drawn() {
+    use std::os::unix::fs::PermissionsExt as _;
+    with_souple();
+    let place = Place::new("pictures", &format!("{}[[vary]]\nkey = \"body.0.density\"\nvalues = [1e3, -1]\n", STEPS));
+    let program = in_front(&place, "");
+    let souple = std::path::Path::new(env!("CARGO_BIN_EXE_souple-campaign")).with_file_name("souple");
+    let view = place.0.join("souple-view");
+    // What it is given must be a scene; the picture is none here.
+    let text = format!("#!/bin/sh\n{} check \"$1\" --json > \"$3\"\n", souple.display());
+    std::fs::write(&view, text).unwrap();
+    std::fs::set_permissions(&view, std::fs::Permissions::from_mode(0o755)).unwrap();
+    let mut run = std::process::Command::new(env!("CARGO_BIN_EXE_souple-campaign"));
+    let run = run.args(["run", ".", "--souple", &program]).current_dir(&place.0).stderr(Stdio::null());
+    assert!(run.stdout(Stdio::null()).status().unwrap().success());
+    let rows = place.database().query("SELECT path FROM pictures", &[]).unwrap();
+    assert_eq!(rows.len(), 2, "those that were refused have none");
+    for row in rows {
+        let drawn = std::fs::read_to_string(place.0.join(row.get::<String>(0).unwrap())).unwrap();
+        assert!(drawn.contains("\"hex8\":5") || drawn.contains("\"hex8\": 5"), "{drawn}");
     }
 }

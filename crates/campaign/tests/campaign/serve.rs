@@ -1,7 +1,7 @@
 //! The server of reports, asked over its socket.
 
 use crate::browser::{Browser, chromium};
-use crate::running::{Place, with_souple};
+use crate::place::{Place, with_souple};
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::TcpStream;
 use std::process::{Child, Stdio};

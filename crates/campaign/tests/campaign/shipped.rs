@@ -3,7 +3,7 @@
 //! Promise: the reduced form of each one runs, ends as its cases say, and gives what its scenes expect; the full form
 //! is a group whose scenes are valid. Out of scope: the numbers of the full forms, which take minutes.
 
-use crate::running::with_souple;
+use crate::place::with_souple;
 use souple_campaign::campaign::read;
 use souple_campaign::group::Ending;
 use souple_campaign::plan::plan;

@@ -32,7 +32,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
     souple run bar.toml --checkpoint-every 1 && souple run bar.toml --resume --set time.end=20\n\n\
     Files: OUT/BODY_0000.vtu, … and OUT/BODY.pvd for ParaView, OUT/summary.json.\n\
     Exit code: 0 finished, 1 expectations not met (with --check), 2 bad input, 3 the simulation failed (its last good\n\
-    state is in OUT/last_good.vtu and OUT/checkpoint.bin), 130 interrupted (state in OUT/checkpoint.bin).")]
+    state is in OUT/last_good.vtu and OUT/checkpoint.bin), 4 results cannot be written, 130 interrupted (state in\n\
+    OUT/checkpoint.bin).")]
 pub(crate) struct Arguments {
     /// The scene file
     scene: PathBuf,
