@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Prints the tables of docs/validation.md about the first thesis' measurements from a database of campaigns.
 
-    souple campaign run campaigns/bending --jobs 1 --db campaign.db
+    souple campaign run campaigns/bending --jobs 2 --db campaign.db
     python3 tools/thesis_tables.py campaign.db bending        # any group of campaigns/, by its name
 
 Bending: the deflection curve of a bar is the mean vertical displacement of the nodes of each section. Its mean distance
