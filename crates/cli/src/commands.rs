@@ -8,6 +8,7 @@ pub(crate) mod derive;
 pub(crate) mod doctor;
 pub(crate) mod list;
 pub(crate) mod mesh;
+mod neighbour;
 pub(crate) mod run;
 pub(crate) mod serve;
 pub(crate) mod view;

@@ -17,6 +17,8 @@ pub(crate) enum Failure {
     Output(anyhow::Error),
     /// Stopped by the person at the keyboard.
     Interrupted(String),
+    /// A program that was started for it has said why, and ended with this exit code.
+    Said(u8),
 }
 
 impl Failure {
@@ -28,6 +30,7 @@ impl Failure {
             Failure::Simulation(_) => 3,
             Failure::Output(_) => 4,
             Failure::Interrupted(_) => 130,
+            Failure::Said(code) => *code,
         }
     }
 }
@@ -35,7 +38,7 @@ impl Failure {
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Failure::OutputClosed => Ok(()),
+            Failure::OutputClosed | Failure::Said(_) => Ok(()),
             Failure::Unmet(lines) => write!(f, "expectations not met:\n  {}", lines.join("\n  ")),
             Failure::Input(error) | Failure::Output(error) => write!(f, "{error:#}"),
             Failure::Simulation(message) | Failure::Interrupted(message) => f.write_str(message),

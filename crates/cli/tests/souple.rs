@@ -19,5 +19,8 @@ mod graphics;
 mod list;
 #[path = "souple/mesh.rs"]
 mod mesh;
+#[cfg(unix)]
+#[path = "souple/neighbour.rs"]
+mod neighbour;
 #[path = "souple/run.rs"]
 mod run;

@@ -1,16 +1,14 @@
 //! `souple campaign`: hands its arguments to `souple-campaign`, a program of its own.
 //!
-//! The database is most of what campaigns cost to build, and `souple` is built without it; so it looks for the program
-//! beside itself, then along the search path.
+//! The database is most of what campaigns cost to build, and `souple` is built without it.
 
-use crate::failure::{Failure, input};
+use super::neighbour::hand_over;
+use crate::failure::Failure;
 use clap::Args;
 use std::ffi::OsString;
-use std::path::PathBuf;
-use std::process::Command;
 
-/// Name of the program.
-const PROGRAM: &str = "souple-campaign";
+/// How the program is built.
+const BUILD: &str = "cargo build --release -p souple-campaign";
 
 #[derive(Debug, Args)]
 #[command(
@@ -25,23 +23,5 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let beside = std::env::current_exe().ok();
-    let beside = beside.map(|here| here.with_file_name(format!("{PROGRAM}{}", std::env::consts::EXE_SUFFIX)));
-    let program = beside.filter(|path| path.is_file()).unwrap_or_else(|| PathBuf::from(PROGRAM));
-    // Ctrl-C reaches the program too, which stops in good order; we wait for it.
-    let _ = ctrlc::set_handler(|| {});
-    let status = Command::new(&program).args(&arguments.arguments).status().map_err(|e| match e.kind() {
-        std::io::ErrorKind::NotFound => input(format!(
-            "{PROGRAM} is neither beside souple nor on the search path; build it with\n    \
-             cargo build --release -p souple-campaign"
-        )),
-        _ => input(format!("cannot start {}: {e}", program.display())),
-    })?;
-    // What went wrong has been said by the program itself.
-    match status.code() {
-        Some(0) => Ok(()),
-        Some(130) => Err(Failure::Interrupted(String::new())),
-        Some(_) => Err(Failure::Input(anyhow::Error::msg(String::new()))),
-        None => Err(input(format!("{PROGRAM} was ended from outside"))),
-    }
+    hand_over("souple-campaign", BUILD, &arguments.arguments)
 }
