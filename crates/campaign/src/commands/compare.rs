@@ -16,10 +16,10 @@ pub(crate) struct Arguments {
     /// Another one, or the same one in another database
     b: String,
     /// The database of A
-    #[arg(long, value_name = "FILE", default_value = "campaign.db")]
+    #[arg(long, value_name = "FILE|URL", default_value = "campaign.db")]
     db: String,
     /// The database of B; absent: that of A
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE|URL")]
     with: Option<String>,
     /// Print everything as JSON, pair by pair
     #[arg(long)]

@@ -12,7 +12,7 @@ pub(crate) struct Arguments {
     /// Its name; without it, the last group
     group: Option<String>,
     /// The database
-    #[arg(long, value_name = "FILE", default_value = "campaign.db")]
+    #[arg(long, value_name = "FILE|URL", default_value = "campaign.db")]
     db: String,
     /// What is written
     #[arg(long, value_enum)]

@@ -17,7 +17,7 @@ const WORKERS: usize = 4;
 #[command(after_help = "Example: souple campaign serve --port 8000")]
 pub(crate) struct Arguments {
     /// The database
-    #[arg(long, value_name = "FILE", default_value = "campaign.db")]
+    #[arg(long, value_name = "FILE|URL", default_value = "campaign.db")]
     db: String,
     /// The port; 0 takes a free one
     #[arg(long, default_value_t = 8321)]
