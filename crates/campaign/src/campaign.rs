@@ -3,16 +3,17 @@
 use crate::database::{Database, DatabaseError, Machine, Member, add_group, recorded_in};
 use crate::folder;
 use crate::group::Group;
-use crate::identity::{Surroundings, identify, sha256};
+use crate::identity::{Identity, Source, Surroundings, identify, sha256};
 use crate::plan::{Planned, plan};
 use crate::problem::Problems;
 use crate::traction::traction;
 use crate::worker::{Job, Workshop, remove_leftovers};
+use souple_simulation::prepare::mesh_files;
 use souple_simulation::scene::Scene;
 use souple_simulation::scene::body::Body;
 use souple_simulation::scene::integrator::Method;
 use souple_simulation::scene::mesh::Mesh;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -71,7 +72,7 @@ pub struct Request<'a> {
 }
 
 /// Statuses of which the next run repeats the simulation: what ended it was not what determines it.
-pub const PASSING: &[&str] = &["crashed", "unwritten"];
+pub const PASSING: &[&str] = &["crashed", "unwritten", "changed"];
 
 /// Hashes all simulations of a group, writes the group, and finds what is to do.
 ///
@@ -103,11 +104,13 @@ pub fn prepare(request: &Request<'_>, database: &Database) -> Result<Prepared, S
     if fs::read_to_string(&scene).ok().as_ref() != Some(&group.scene.text) {
         fs::write(&scene, &group.scene.text).map_err(|e| format!("cannot write {}: {e}", scene.display()))?;
     }
-    let mut read = |name: &str| fs::read(meshes.join(name)).map_err(|e| e.to_string());
-    let identities: Vec<(String, Option<Scene>)> =
-        planned.iter().map(|p| identify(&surroundings, &p.overrides, &p.device, &mut read)).collect();
+    // Many simulations have one mesh: its files are read once.
+    let mut known: BTreeMap<String, Vec<Source>> = BTreeMap::new();
+    let mut files = |name: &str| known.entry(name.to_owned()).or_insert_with(|| sources(&meshes.join(name))).clone();
+    let identities: Vec<Identity> =
+        planned.iter().map(|p| identify(&surroundings, &p.overrides, &p.device, &mut files)).collect();
     let members: Vec<Member<'_>> =
-        planned.iter().zip(&identities).map(|(planned, (hash, _))| Member { planned, hash }).collect();
+        planned.iter().zip(&identities).map(|(planned, identity)| Member { planned, hash: &identity.hash }).collect();
     let definition = sha256(format!("{group:?}").as_bytes());
     let where_from = request.folder.display().to_string();
     let failed = |e: DatabaseError| e.to_string();
@@ -116,7 +119,7 @@ pub fn prepare(request: &Request<'_>, database: &Database) -> Result<Prepared, S
     let mut seen = BTreeSet::new();
     let mut jobs = Vec::new();
     let mut check = false;
-    for (planned, (hash, scene)) in planned.iter().zip(&identities) {
+    for (planned, Identity { hash, scene, sources }) in planned.iter().zip(&identities) {
         check |= scene.as_ref().is_some_and(|s| !s.expectations.is_empty());
         if !seen.insert(hash) {
             continue;
@@ -135,6 +138,7 @@ pub fn prepare(request: &Request<'_>, database: &Database) -> Result<Prepared, S
                 quasi_static: scene.as_ref().is_some_and(quasi_static),
                 traction: scene.as_ref().and_then(traction),
                 before: before.map(|(id, _)| *id),
+                sources: sources.clone(),
             });
         }
     }
@@ -151,6 +155,13 @@ pub fn prepare(request: &Request<'_>, database: &Database) -> Result<Prepared, S
         view: None,
     };
     Ok(Prepared { group: id, members: planned.len(), jobs, workshop })
+}
+
+/// The files of a mesh as they are now.
+fn sources(mesh: &Path) -> Vec<Source> {
+    let mut read = |path: &str| fs::read(path).map_err(|e| e.to_string());
+    let files = mesh_files(&mesh.display().to_string(), &mut read).into_iter();
+    files.map(|(path, bytes)| Source { path: path.into(), hash: bytes.map(|bytes| sha256(&bytes)) }).collect()
 }
 
 fn quasi_static(scene: &Scene) -> bool {

@@ -228,6 +228,20 @@ impl Database {
         Ok(())
     }
 
+    /// What is another text whenever somebody else has changed something since this connection was last asked; it may
+    /// be another one without that too.
+    ///
+    /// # Errors
+    ///
+    /// When the database says no.
+    pub fn stamp(&self) -> Result<String, DatabaseError> {
+        match self.dialect {
+            Dialect::Sqlite => self.first::<i64>("PRAGMA data_version", &[]).map(|version| version.to_string()),
+            // Which transactions have ended: those that change nothing have no number.
+            Dialect::Postgres => self.first("SELECT CAST(txid_current_snapshot() AS TEXT)", &[]),
+        }
+    }
+
     /// Does all of `act` or nothing.
     ///
     /// # Errors

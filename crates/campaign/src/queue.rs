@@ -1,15 +1,16 @@
 //! Running what is to do, some processes at a time.
 //!
-//! One loop: claim and start simulations where places are free, look at each process, record what has ended, each in one
-//! transaction. Nothing else decides what is done, so that a run that is killed at any moment repeats only what was not
-//! recorded, and several runs on one database share the work. What another run works on is asked for again until that has
-//! recorded it, given it back, or is gone.
+//! One loop: look at each process, claim and start simulations where places have become free, and only then record what
+//! has ended, each in one transaction: the next ones work meanwhile. Nothing else decides what is done, so that a run that
+//! is killed at any moment repeats only what was not recorded, and several runs on one database share the work. What
+//! another run works on is asked for again until that has recorded it, given it back, or is gone.
 
 use crate::database::{Claim, Database, DatabaseError, Machine, beat, claim, record, recorded, release};
 use crate::owner::Owner;
-use crate::worker::{Job, Worker, Workshop, keep, start};
+use crate::worker::{Job, Worker, Workshop, interrupted, keep, start};
 use std::collections::VecDeque;
 use std::io;
+use std::process::ExitStatus;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -22,6 +23,9 @@ const BEAT: Duration = Duration::from_secs(10);
 /// Time that processes have to stop before they are ended.
 const PATIENCE: Duration = Duration::from_secs(5);
 
+/// Number, status and reason of a simulation.
+pub type Told = (usize, String, String);
+
 /// How far the queue is.
 #[derive(Clone, Debug)]
 pub struct Progress {
@@ -29,8 +33,8 @@ pub struct Progress {
     pub done: usize,
     /// Simulations in all.
     pub all: usize,
-    /// Number, status and reason of the one that was recorded last.
-    pub last: (usize, String, String),
+    /// The one that was recorded last.
+    pub last: Told,
     /// Time that is left, if what remains takes as long as what was done.
     pub left: Duration,
 }
@@ -100,7 +104,7 @@ impl Queue {
         let begun = Instant::now();
         let mut asked: Option<Instant> = None;
         let (mut beaten, mut looked) = (begun, begun);
-        let mut tell = |queue: &mut Queue, last: (usize, String, String)| {
+        let mut tell = |queue: &mut Queue, last: Told| {
             queue.done += 1;
             let left = begun.elapsed().mul_f64((queue.all - queue.done) as f64 / queue.done as f64);
             tell(&Progress { done: queue.done, all: queue.all, last, left });
@@ -121,34 +125,16 @@ impl Queue {
                 looked = Instant::now();
                 self.waiting.extend(self.elsewhere.drain(..));
             }
-            while asked.is_none() && self.working.len() < place.places {
-                let Some(job) = self.waiting.pop_front() else { break };
-                match claim(place.database, &job.hash, place.owner, job.before)? {
-                    Claim::Ours => {
-                        let number = job.number;
-                        let what =
-                            format!("cannot start simulation {number} with {}", place.workshop.program.display());
-                        let worker = start(place.workshop, job, place.owner);
-                        let worker = worker.map_err(|source| QueueError::System { what, source })?;
-                        self.working.push((number, worker));
-                    }
-                    Claim::Elsewhere => self.elsewhere.push(job),
-                    Claim::Recorded(status) => tell(self, (job.number, status, "by another run".to_owned())),
-                }
-            }
-            let mut ended = false;
-            for index in (0..self.working.len()).rev() {
-                let number = self.working[index].0;
-                let system =
-                    |source| QueueError::System { what: format!("cannot see how simulation {number} ended"), source };
-                let Some(status) = self.working[index].1.ended(place.workshop).map_err(system)? else { continue };
-                ended = true;
-                let (_, worker) = self.working.swap_remove(index);
-                let Some(left) = worker.left(status, place.workshop).map_err(system)? else {
-                    // It was interrupted together with us; we learn of it in a moment.
-                    place.stop.store(true, Ordering::Relaxed);
-                    continue;
-                };
+            let ended = self.ended(place)?;
+            let none_ended = ended.is_empty();
+            let filled = if asked.is_some() || place.stop.load(Ordering::Relaxed) {
+                Ok(())
+            } else {
+                self.fill(place, &mut tell)
+            };
+            for (number, worker, status) in ended {
+                let system = |source| QueueError::System { what: format!("cannot keep simulation {number}"), source };
+                let Some(left) = worker.left(status, place.workshop).map_err(system)? else { continue };
                 let outcome = keep(left, &place.workshop.results).map_err(system)?;
                 if record(place.database, &outcome, place.machine, place.owner)? {
                     tell(self, (number, outcome.status, outcome.reason));
@@ -158,10 +144,49 @@ impl Queue {
                     tell(self, (number, status, "by another run".to_owned()));
                 }
             }
-            if !ended {
+            // Not before what has ended is recorded.
+            filled?;
+            if none_ended {
                 std::thread::park_timeout(LOOK);
             }
         }
         Ok(asked.is_none() && !place.stop.load(Ordering::Relaxed))
+    }
+
+    /// Takes the processes that have ended from those that work.
+    fn ended(&mut self, place: &Place<'_>) -> Result<Vec<(usize, Worker, ExitStatus)>, QueueError> {
+        let mut ended = Vec::new();
+        for index in (0..self.working.len()).rev() {
+            let number = self.working[index].0;
+            let system =
+                |source| QueueError::System { what: format!("cannot see how simulation {number} ended"), source };
+            let Some(status) = self.working[index].1.ended(place.workshop).map_err(system)? else { continue };
+            if interrupted(status) {
+                // Together with us; we learn of it in a moment.
+                place.stop.store(true, Ordering::Relaxed);
+            }
+            let (_, worker) = self.working.swap_remove(index);
+            ended.push((number, worker, status));
+        }
+        Ok(ended)
+    }
+
+    /// Starts simulations where places are free.
+    fn fill(&mut self, place: &Place<'_>, tell: &mut dyn FnMut(&mut Queue, Told)) -> Result<(), QueueError> {
+        while self.working.len() < place.places {
+            let Some(job) = self.waiting.pop_front() else { break };
+            match claim(place.database, &job.hash, place.owner, job.before)? {
+                Claim::Ours => {
+                    let number = job.number;
+                    let what = format!("cannot start simulation {number} with {}", place.workshop.program.display());
+                    let worker = start(place.workshop, job, place.owner);
+                    let worker = worker.map_err(|source| QueueError::System { what, source })?;
+                    self.working.push((number, worker));
+                }
+                Claim::Elsewhere => self.elsewhere.push(job),
+                Claim::Recorded(status) => tell(self, (job.number, status, "by another run".to_owned())),
+            }
+        }
+        Ok(())
     }
 }

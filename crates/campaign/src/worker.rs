@@ -5,17 +5,19 @@
 //! one; what those leave who were killed is removed when they are known to be gone.
 
 mod picture;
+mod process;
 
 use crate::database::Outcome;
-use crate::identity::sha256;
+use crate::identity::{Source, sha256};
 use crate::owner::Owner;
 use crate::traction::{Traction, moduli};
+use process::{Process, spawn};
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Command, ExitStatus, Stdio};
 use std::time::Instant;
 
 /// What a process is to do.
@@ -37,6 +39,9 @@ pub struct Job {
     pub traction: Option<Traction>,
     /// Id of what is recorded of it and is to be replaced.
     pub before: Option<i64>,
+    /// The files of its meshes, as they were when it was hashed.
+    #[serde(default)]
+    pub sources: Vec<Source>,
 }
 
 /// Where and with what processes run.
@@ -64,13 +69,14 @@ pub struct Workshop {
 #[derive(Debug)]
 pub struct Worker {
     job: Job,
-    child: Child,
+    /// None: its meshes were changed before it began.
+    process: Option<Process>,
     folder: PathBuf,
     started: Instant,
     /// How it ended, after how many seconds.
     ended: Option<(ExitStatus, f64)>,
     /// What draws its picture, and since when.
-    drawing: Option<(Child, Instant)>,
+    drawing: Option<(Process, Instant)>,
 }
 
 /// What a process leaves.
@@ -84,6 +90,8 @@ pub struct Left {
 
 /// Starts a process; the calling thread is unparked when it ends.
 ///
+/// A simulation whose meshes are not those that were hashed does not run; it has ended at once, as `changed`.
+///
 /// # Errors
 ///
 /// When its folder cannot be made or the program cannot be started.
@@ -93,6 +101,10 @@ pub fn start(workshop: &Workshop, job: Job, owner: &Owner) -> io::Result<Worker>
         fs::remove_dir_all(&folder)?;
     }
     fs::create_dir_all(&folder)?;
+    if changed(&job).is_some() {
+        std::thread::current().unpark();
+        return Ok(Worker { job, process: None, folder, started: Instant::now(), ended: None, drawing: None });
+    }
     let mut command = Command::new(&workshop.program);
     command.arg("run").arg(&workshop.scene).arg("--json").arg("--phases").arg("--stop-at-eof");
     command.arg("--out").arg(&folder).arg("--device").arg(&job.device);
@@ -103,36 +115,28 @@ pub fn start(workshop: &Workshop, job: Job, owner: &Owner) -> io::Result<Worker>
     for change in &job.overrides {
         command.arg("--set").arg(change);
     }
-    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(File::create(folder.join("messages.txt"))?);
-    let mut child = command.spawn()?;
-    wake_at_end_of(&mut child);
-    Ok(Worker { job, child, folder, started: Instant::now(), ended: None, drawing: None })
+    command.stdin(Stdio::piped()).stderr(File::create(folder.join("messages.txt"))?);
+    let process = Some(spawn(&mut command)?);
+    Ok(Worker { job, process, folder, started: Instant::now(), ended: None, drawing: None })
 }
 
-/// Unparks this thread when the process ends: then its output ends. So we learn of it without asking again and again.
-fn wake_at_end_of(child: &mut Child) {
-    if let Some(mut output) = child.stdout.take() {
-        let waiting = std::thread::current();
-        std::thread::spawn(move || {
-            // What it says is in its files too.
-            let _ = io::copy(&mut output, &mut io::sink());
-            waiting.unpark();
-        });
-    }
+/// The file of its meshes that is not what it was when the simulation was hashed.
+fn changed(job: &Job) -> Option<&Path> {
+    job.sources.iter().find(|source| **source != Source::now(&source.path)).map(|source| source.path.as_path())
 }
 
 impl Worker {
     /// Asks the process to stop.
     pub fn ask_to_stop(&mut self) {
-        drop(self.child.stdin.take());
+        drop(self.process.as_mut().and_then(Process::take_input));
     }
 
     /// Ends the process, removes what it left, and does not record it.
     pub fn abandon(mut self) {
-        // They may have ended by themselves just now.
-        for child in [Some(&mut self.child), self.drawing.as_mut().map(|(child, _)| child)].into_iter().flatten() {
-            let _ = child.kill();
-            let _ = child.wait();
+        let drawing = self.drawing.take().map(|(process, _)| process);
+        for mut process in self.process.take().into_iter().chain(drawing) {
+            // Nothing is kept of it, however it ends.
+            let _ = process.end();
         }
         let _ = fs::remove_dir_all(&self.folder);
     }
@@ -144,22 +148,20 @@ impl Worker {
     /// When the system does not tell.
     pub fn ended(&mut self, workshop: &Workshop) -> io::Result<Option<ExitStatus>> {
         let Some((status, _)) = self.ended else {
-            let Some(status) = self.child.try_wait()? else { return Ok(None) };
+            let Some(process) = &mut self.process else { return Ok(Some(ExitStatus::default())) };
+            let Some(status) = process.ended()? else { return Ok(None) };
             self.ended = Some((status, self.started.elapsed().as_secs_f64()));
             self.drawing = picture::start(&self.folder, workshop.view.as_deref(), status);
-            if let Some((child, _)) = &mut self.drawing {
-                wake_at_end_of(child);
-                return Ok(None);
-            }
-            return Ok(Some(status));
+            return Ok(if self.drawing.is_some() { None } else { Some(status) });
         };
-        if let Some((child, since)) = &mut self.drawing {
-            if child.try_wait()?.is_none() && since.elapsed() < picture::PATIENCE {
-                return Ok(None);
+        if let Some((process, since)) = &mut self.drawing {
+            if process.ended()?.is_none() {
+                if since.elapsed() < picture::PATIENCE {
+                    return Ok(None);
+                }
+                // A picture that takes this long is none.
+                process.end()?;
             }
-            // A picture that takes this long is none.
-            let _ = child.kill();
-            child.wait()?;
             self.drawing = None;
         }
         Ok(Some(status))
@@ -169,17 +171,26 @@ impl Worker {
     ///
     /// # Errors
     ///
-    /// When the folder of one that was interrupted cannot be removed.
+    /// When the folder of one whose files are of no use cannot be removed.
     pub fn left(self, status: ExitStatus, workshop: &Workshop) -> io::Result<Option<Left>> {
         if interrupted(status) {
             fs::remove_dir_all(&self.folder)?;
             return Ok(None);
+        }
+        // Asked again at the end: the process read them somewhere in between.
+        let edited = changed(&self.job).map(Path::to_owned);
+        let changed = self.process.is_none() || edited.is_some();
+        if changed {
+            // What lies there is of another simulation.
+            fs::remove_dir_all(&self.folder)?;
+            fs::create_dir(&self.folder)?;
         }
         let messages = fs::read_to_string(self.folder.join("messages.txt")).unwrap_or_default();
         let messages = messages.replace(&workshop.scene.display().to_string(), &workshop.scene_name);
         let summary = summary(&self.folder);
         let said = || messages.rsplit_once("error: ").map_or(messages.as_str(), |(_, last)| last).trim().to_owned();
         let (name, reason) = match (status.code(), summary["status"].as_str()) {
+            _ if changed => ("changed", told_of_change(edited.as_deref())),
             // 1: expectations that are not met are errors in the table, not failures.
             (Some(0 | 1), Some("at_rest" | "at rest")) => ("at rest", String::new()),
             (Some(0 | 1), Some(_)) => ("finished", String::new()),
@@ -210,8 +221,14 @@ impl Worker {
     }
 }
 
-/// Whether Ctrl-C ended the process: it says so itself, unless it had not come to listen yet.
-fn interrupted(status: ExitStatus) -> bool {
+/// Why a simulation is not what was hashed.
+fn told_of_change(edited: Option<&Path>) -> String {
+    let who = edited.map_or("a file of its meshes".to_owned(), |path| path.display().to_string());
+    format!("{who} was changed after the simulation was planned; the same command plans it anew with the file as it is")
+}
+
+/// Whether Ctrl-C ended a process: it says so itself, unless it had not come to listen yet.
+pub(crate) fn interrupted(status: ExitStatus) -> bool {
     #[cfg(unix)]
     let before_it_listened = std::os::unix::process::ExitStatusExt::signal(&status) == Some(2);
     #[cfg(not(unix))]

@@ -4,6 +4,7 @@ use super::{open, whole_group};
 use crate::output::note;
 use souple_campaign::database::Location;
 use souple_campaign::report::page::{Surroundings, html};
+use souple_campaign::serve::percent_encoded;
 use std::path::{Component, Path, PathBuf};
 use std::process::ExitCode;
 
@@ -42,10 +43,4 @@ fn address(folder: &Path, page: &Path) -> Option<String> {
     let up = std::iter::repeat_n("..".to_owned(), from.len() - shared);
     let down = to[shared..].iter().map(|c| percent_encoded(&c.as_os_str().to_string_lossy()));
     Some(up.chain(down).collect::<Vec<_>>().join("/"))
-}
-
-/// A part of an address (RFC 3986).
-fn percent_encoded(part: &str) -> String {
-    let plain = |b: u8| b.is_ascii_alphanumeric() || b"-._~".contains(&b);
-    part.bytes().map(|b| if plain(b) { char::from(b).to_string() } else { format!("%{b:02X}") }).collect()
 }

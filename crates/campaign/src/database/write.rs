@@ -31,9 +31,9 @@ pub struct Machine {
 pub struct Outcome {
     /// Of everything that determines it.
     pub hash: String,
-    /// `finished`, `at rest`, `failed`, `invalid` or `crashed`.
+    /// `finished`, `at rest`, `failed`, `invalid`, `crashed`, `unwritten` or `changed`.
     pub status: String,
-    /// Why it is one of the latter three.
+    /// Why it is one of the latter five.
     pub reason: String,
     /// Program and device.
     pub program: String,

@@ -4,10 +4,11 @@
 //! left out: a picture is no result.
 
 use super::last_states;
+use super::process::{Process, spawn};
 use serde_json::Value as Json;
 use std::fs::{self, OpenOptions};
 use std::path::Path;
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 /// Name of the picture in the folder of its simulation.
@@ -18,7 +19,7 @@ pub(super) const PATIENCE: Duration = Duration::from_secs(60);
 const SCENE: &str = "end.toml";
 
 /// Starts to draw; none where there is nothing to draw, or nothing to draw it with.
-pub(super) fn start(folder: &Path, view: Option<&Path>, status: ExitStatus) -> Option<(Child, Instant)> {
+pub(super) fn start(folder: &Path, view: Option<&Path>, status: ExitStatus) -> Option<(Process, Instant)> {
     let view = view.filter(|_| matches!(status.code(), Some(0 | 1)))?;
     let bodies = last_states(folder).ok().filter(|bodies| !bodies.is_empty())?;
     fs::write(folder.join(SCENE), scene(&bodies)).ok()?;
@@ -26,8 +27,8 @@ pub(super) fn start(folder: &Path, view: Option<&Path>, status: ExitStatus) -> O
     let mut command = Command::new(view);
     command.arg(folder.join(SCENE)).arg("--screenshot").arg(folder.join(FILE));
     command.args(["--at", "0", "--size", "640x480", "--threads", "1", "--colour", "element"]);
-    let child = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(messages).spawn().ok()?;
-    Some((child, Instant::now()))
+    let process = spawn(command.stdin(Stdio::null()).stderr(messages)).ok()?;
+    Some((process, Instant::now()))
 }
 
 /// A scene of meshes at rest.

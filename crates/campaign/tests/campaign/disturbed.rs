@@ -1,8 +1,9 @@
 //! Runs that are killed, interrupted, or work side by side: nothing is lost, repeated or left behind.
 
+use crate::chance::{seed, uniform, variable};
 use crate::place::{Place, densities, with_souple};
 use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, Instant};
 
 /// Hash and id of what is recorded; a simulation that ran again has a new id.
 fn recorded(place: &Place) -> Vec<(String, i64)> {
@@ -17,10 +18,8 @@ fn recorded(place: &Place) -> Vec<(String, i64)> {
 #[test]
 fn killed_runs_lose_and_repeat_nothing() {
     with_souple();
-    let variable = |name: &str| std::env::var(name).ok().and_then(|n| n.parse::<u64>().ok());
     let kills = variable("SOUPLE_KILLS").unwrap_or(6) as u32;
-    let clock = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap().as_nanos() as u64;
-    let seed = variable("SOUPLE_SEED").unwrap_or(clock);
+    let seed = seed();
     println!("SOUPLE_KILLS={kills} SOUPLE_SEED={seed}");
     let mut random = seed;
     let undisturbed = Place::new("undisturbed", &densities(2 * kills));
@@ -58,15 +57,6 @@ fn killed_runs_lose_and_repeat_nothing() {
         place.succeeds("run .");
     }
     assert_eq!(place.leftovers(), Vec::<String>::new(), "seed {seed}");
-}
-
-/// The next of a sequence of numbers from 0 to 1 (splitmix64: Steele, Lea and Flood 2014).
-fn uniform(state: &mut u64) -> f64 {
-    *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let mut z = *state;
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    (z ^ (z >> 31)) as f64 / 2f64.powi(64)
 }
 
 /// Waits until the time is over or the process has ended.

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that unwraps says with its line number what it expected")]
 
 mod browser;
+mod chance;
 mod compare;
 mod description;
 mod disturbed;

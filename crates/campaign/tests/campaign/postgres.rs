@@ -175,6 +175,7 @@ fn both_databases_hold_the_same() {
     both_share(&place, &url, 8);
     let count: i64 = connect(&url).first("SELECT COUNT(*) FROM simulations", &[]).unwrap();
     assert_eq!(count, 8);
+    crate::serve::stamps_tell_of_changes(&connect(&url), &connect(&url));
 
     let error = database.query("SELECT nothing FROM nowhere", &[]).unwrap_err().to_string();
     assert!(error.contains("nowhere") && error.contains("postgres://souple@"), "{error}");

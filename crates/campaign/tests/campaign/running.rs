@@ -147,26 +147,64 @@ fn edits_during_a_run_change_nothing() {
     assert_eq!(place.results(), undisturbed.results());
 }
 
-/// Mesh files are found beside the scene, although the scene runs from a copy.
-#[test]
-fn meshes_lie_beside_the_scene() {
-    with_souple();
-    let place = Place::new("meshes", &STEPS.replace("bar.toml", "scenes/bar.toml"));
+/// A scene in `scenes/` with its mesh in a file there.
+fn with_mesh_file(name: &str) -> Place {
+    let place = Place::new(name, &STEPS.replace("bar.toml", "scenes/bar.toml"));
     std::fs::create_dir(place.0.join("scenes")).unwrap();
-    let souple = std::path::Path::new(env!("CARGO_BIN_EXE_souple-campaign")).with_file_name("souple");
-    let made = std::process::Command::new(souple)
-        .args("mesh bar --output bar.vtu --size 1,0.2,0.2 --cells 5,1,1 --section 1:hex8".split(' '))
-        .current_dir(place.0.join("scenes"))
-        .stdout(Stdio::null())
-        .status();
-    assert!(made.unwrap().success());
+    mesh_file(&place, 1.0);
     let generated = SCENE.lines().find(|line| line.starts_with("mesh = ")).unwrap();
     let scene = SCENE.replace(generated, "mesh = { file = \"bar.vtu\" }");
     let scene = scene.replace("region = \"x_min\"", "region = { box = { min = [-0.01, -1, -1], max = [0.01, 1, 1] } }");
     let scene = scene.replace("region = \"x_max\"", "region = { box = { min = [0.99, -1, -1], max = [1.01, 1, 1] } }");
     std::fs::write(place.0.join("scenes/bar.toml"), scene).unwrap();
-    let (out, err) = place.succeeds("run .");
+    place
+}
+
+/// Writes the mesh of a bar that is 1 m long and as thick as is said.
+fn mesh_file(place: &Place, thickness: f64) {
+    let souple = std::path::Path::new(env!("CARGO_BIN_EXE_souple-campaign")).with_file_name("souple");
+    let words = format!("mesh bar --output bar.vtu --size 1,{thickness},0.2 --cells 5,1,1 --section 1:hex8");
+    let mut make = std::process::Command::new(souple);
+    let made = make.args(words.split(' ')).current_dir(place.0.join("scenes")).stdout(Stdio::null()).status();
+    assert!(made.unwrap().success());
+}
+
+/// Mesh files are found beside the scene, although the scene runs from a copy.
+#[test]
+fn meshes_lie_beside_the_scene() {
+    with_souple();
+    let (out, err) = with_mesh_file("meshes").succeeds("run .");
     assert!(out.contains("2 came to their end"), "{out}{err}");
+}
+
+/// A mesh that is edited after its simulations were planned gives no results under their hashes: what has not begun does
+/// not run, what was running is not kept, the reason names the file, and the next run plans them anew.
+#[cfg(unix)]
+#[test]
+fn edited_meshes_are_noticed() {
+    with_souple();
+    let place = with_mesh_file("edited_meshes");
+    let mesh = place.0.join("scenes/bar.vtu");
+    let original = std::fs::read(&mesh).unwrap();
+    mesh_file(&place, 0.3);
+    std::fs::rename(&mesh, place.0.join("thicker.vtu")).unwrap();
+    std::fs::write(&mesh, original).unwrap();
+    // The first one finds the mesh as it was hashed when it is started, and another one when it reads it.
+    let program = in_front(&place, "echo started >> started; cp thicker.vtu scenes/bar.vtu");
+    let run = format!("run . --jobs 1 --souple {program}");
+    let (out, err) = place.succeeds(&run);
+    assert!(out.contains("2 of 2 done: 0 came to their end"), "{out}{err}");
+    assert_eq!(err.matches("changed: ").count(), 2, "{err}");
+    assert_eq!(err.matches("scenes/bar.vtu was changed after the simulation was planned").count(), 2, "{err}");
+    let started = || std::fs::read_to_string(place.0.join("started")).unwrap().lines().count();
+    assert_eq!(started(), 1, "what has not begun does not run");
+    for table in ["meshes", "measurements", "timings"] {
+        let rows: i64 = place.database().first(&format!("SELECT COUNT(*) FROM {table}"), &[]).unwrap();
+        assert_eq!(rows, 0, "{table}");
+    }
+    let (out, err) = place.succeeds(&run);
+    assert!(err.contains("2 simulations, 2 to do") && out.contains("2 of 2 done: 2 came to their end"), "{out}{err}");
+    assert_eq!(started(), 3);
 }
 
 /// Where a `souple-view` lies beside `souple`, it is given a scene of the end of each simulation that came to one, and the

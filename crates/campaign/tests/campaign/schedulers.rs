@@ -1,29 +1,41 @@
-//! Simulations as tasks of a scheduler: what is submitted, run by a stand-in that runs tasks in disorder and twice, gives
-//! the table of a local run.
+//! Simulations as tasks of a scheduler: what is submitted, run by a stand-in that runs tasks in a random order and some of
+//! them twice, gives the table of a local run.
+//!
+//! `SOUPLE_SEED` repeats the order of another test.
 
+use crate::chance::{seed, shuffled};
 use crate::place::{Place, densities, with_souple};
 use std::process::{Command, Stdio};
 
-/// Runs a command with each number of an array, backwards, and the first one twice.
+/// A shell function that runs a command with each number of an array, in an order of its own, some of them twice.
 #[cfg(unix)]
-const STAND_IN: &str = r#"
-run_all() { # VARIABLE FIRST-LAST COMMAND…
-  variable=$1; first=${2%-*}; index=${2#*-}; shift 2
-  env "$variable=$first" "$@" || exit 1
-  while [ "$index" -ge "$first" ]; do
-    env "$variable=$index" "$@" || exit 1
-    index=$((index - 1))
+fn stand_in() -> String {
+    let mut random = seed();
+    println!("SOUPLE_SEED={random}");
+    let order: Vec<String> = shuffled(TASKS, &mut random).iter().map(usize::to_string).collect();
+    format!(
+        r#"
+run_all() {{ # VARIABLE FIRST-LAST COMMAND…
+  variable=$1; first=${{2%-*}}; last=${{2#*-}}; shift 2
+  for index in {}; do
+    if [ "$index" -ge "$first" ] && [ "$index" -le "$last" ]; then
+      env "$variable=$index" "$@" || exit 1
+    fi
   done
+}}
+"#,
+        order.join(" ")
+    )
 }
-"#;
 
 /// `hq submit` with its options, as far as they are used: what it does not know it refuses.
 #[cfg(unix)]
 fn stand_in_for_hq(place: &Place) -> String {
     use std::os::unix::fs::PermissionsExt as _;
+    let functions = stand_in();
     let text = format!(
         r#"#!/bin/sh
-{STAND_IN}
+{functions}
 [ "$1" = submit ] || exit 2
 shift
 while [ "$1" != -- ]; do
@@ -45,6 +57,10 @@ run_all HQ_TASK_ID "$array" "$@"
     let path = std::env::var("PATH").unwrap_or_default();
     format!("{}:{path}", folder.display())
 }
+
+/// Tasks of the campaign.
+#[cfg(unix)]
+const TASKS: usize = 6;
 
 /// Three simulations that come to their end, and three that are refused.
 fn campaign() -> String {
@@ -90,7 +106,7 @@ fn slurm_gives_the_same_table() {
     let script = place.0.join("campaign.spool/0001/submit.sbatch");
     let text = std::fs::read_to_string(&script).unwrap();
     assert!(text.contains("#SBATCH --array=0-5%2\n") && text.contains("#SBATCH --cpus-per-task=3\n"), "{text}");
-    let run = format!("{STAND_IN}\nrun_all SLURM_ARRAY_TASK_ID \"$1\" sh {}", script.display());
+    let run = format!("{}\nrun_all SLURM_ARRAY_TASK_ID \"$1\" sh {}", stand_in(), script.display());
     let tasks = |range: &str| {
         let shell = Command::new("sh").args(["-c", &run, "sh", range]).stdout(Stdio::null()).status();
         assert!(shell.unwrap().success(), "{range}");

@@ -1,7 +1,9 @@
 //! The server of reports, asked over its socket.
 
 use crate::browser::{Browser, chromium};
-use crate::place::{Place, with_souple};
+use crate::place::{Place, densities, with_souple};
+use souple_campaign::database::Database;
+use souple_campaign::serve::{Answer, Body, Question, Site, answer};
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::TcpStream;
 use std::process::{Child, Stdio};
@@ -81,6 +83,28 @@ fn reports_follow_the_database() {
     let (head, data) = server.ask("GET /group/2/data.json", &known);
     assert!(head.starts_with("HTTP/1.1 200") && data.contains("\"number\":1,"), "{head}");
 
+    // What the simulations left can be looked at, and nothing else can.
+    let data: serde_json::Value = serde_json::from_str(&server.ask("GET /group/2/data.json", host).1).unwrap();
+    let link = data["simulations"][0]["link"].as_str().unwrap();
+    let (head, list) = server.ask(&format!("GET {link}"), host);
+    assert!(head.starts_with("HTTP/1.1 200") && list.contains(&format!("href=\"{link}summary.json\"")), "{list}");
+    let (head, summary) = server.ask(&format!("GET {link}summary.json"), host);
+    assert!(head.contains("application/json"), "{head}");
+    let lies = place.0.join("campaign.results").join(link.trim_start_matches("/results/")).join("summary.json");
+    assert_eq!(summary, std::fs::read_to_string(lies).unwrap());
+    let scene = std::fs::read_dir(place.0.join("campaign.results")).unwrap().map(|e| e.unwrap().file_name());
+    let scene = scene.map(|n| n.to_string_lossy().into_owned()).find(|n| n.starts_with("scene_")).unwrap();
+    for outside in [
+        format!("{link}../{scene}"),
+        format!("{link}..%2F{scene}"),
+        format!("/results/{scene}"),
+        "/results/../campaign.db".to_owned(),
+        format!("/results/{}/x", "0".repeat(64)),
+    ] {
+        let (head, _) = server.ask(&format!("GET {outside}"), host);
+        assert!(head.starts_with("HTTP/1.1 404"), "{outside}: {head}");
+    }
+
     for (request, headers, status) in [
         ("POST /", host, "405"),
         ("DELETE /group/1", host, "405"),
@@ -95,4 +119,34 @@ fn reports_follow_the_database() {
     let second = place.command(&format!("serve --port {port}")).output().unwrap();
     let said = String::from_utf8_lossy(&second.stderr).into_owned();
     assert!(second.status.code() == Some(2) && said.contains("cannot listen on"), "{said}");
+}
+
+/// What is asked again is not made again, until somebody changes the database.
+#[test]
+fn data_are_made_once_for_each_change() {
+    with_souple();
+    let place = Place::new("made_once", &densities(1));
+    place.succeeds("run . --jobs 1");
+    let mut site = Site::new(place.database(), place.0.join("campaign.results"));
+    let address = "127.0.0.1:80".parse().unwrap();
+    let question = Question { method: "GET", path: "/group/1/data.json", host: Some("localhost"), known: None };
+    let ask = |site: &mut Site| answer(site, &question, address).unwrap();
+    let first = ask(&mut site);
+    assert!(matches!(&first, Answer { status: 200, body: Body::Bytes(bytes), .. } if !bytes.is_empty()));
+    assert_eq!((ask(&mut site), ask(&mut site)), (first.clone(), first.clone()));
+    assert_eq!(site.made, 1);
+    place.database().execute("UPDATE simulations SET reason = $1", &["another".into()]).unwrap();
+    assert_ne!(ask(&mut site), first);
+    assert_eq!(site.made, 2);
+    stamps_tell_of_changes(&site.database, &place.database());
+}
+
+/// The stamp of one connection changes with what another one does, and not with what it reads.
+pub(crate) fn stamps_tell_of_changes(ours: &Database, theirs: &Database) {
+    let before = ours.stamp().unwrap();
+    let count = |database: &Database| database.first::<i64>("SELECT COUNT(*) FROM simulations", &[]).unwrap();
+    assert!(count(ours) == count(theirs) && count(ours) > 0);
+    assert_eq!(ours.stamp().unwrap(), before);
+    theirs.execute("UPDATE simulations SET reason = $1", &["yet another".into()]).unwrap();
+    assert_ne!(ours.stamp().unwrap(), before);
 }

@@ -10,6 +10,7 @@ use super::check::check;
 use super::constraints;
 use super::embedded;
 use super::error::Findings;
+use super::mesh_files::beside;
 use souple_mesh::bar::{self, BarError, BarSpec, MismatchKind, Section, Split};
 use souple_mesh::constraint::Conformity;
 use souple_mesh::formats::{self, ReadOptions};
@@ -21,7 +22,7 @@ use souple_scene::mesh::{Bar, Mesh as MeshSource, MeshFile, Transition};
 use souple_scene::{Location, choice};
 
 /// Gives the bytes of a file that the scene names, or says why not.
-pub(super) type Read<'a> = &'a mut dyn FnMut(&str) -> Result<Vec<u8>, String>;
+pub type Read<'a> = &'a mut dyn FnMut(&str) -> Result<Vec<u8>, String>;
 
 /// The mesh of a body, what makes it conform, and what was done to get it; `None` after a problem was noted.
 pub(super) fn mesh_of(body: &Body, read: Read<'_>, findings: &mut Findings) -> Option<PreparedBody> {
@@ -174,11 +175,8 @@ fn from_file(file: &MeshFile, body: &str, read: Read<'_>, findings: &mut Finding
         }
     };
     // Included files lie beside the mesh file that names them.
-    let mut beside = |name: &str| match path.rsplit_once('/') {
-        Some((folder, _)) if !name.starts_with('/') => read(&format!("{folder}/{name}")),
-        _ => read(name),
-    };
-    let options = ReadOptions { include: Some(&mut beside), ..ReadOptions::default() };
+    let mut included = |name: &str| read(&beside(path, name));
+    let options = ReadOptions { include: Some(&mut included), ..ReadOptions::default() };
     let (mut mesh, report) = match formats::read(path, &bytes, options) {
         Ok(found) => found,
         Err(error) => {

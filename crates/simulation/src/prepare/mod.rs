@@ -22,6 +22,7 @@ mod error;
 pub mod judge;
 mod loads;
 mod materials;
+mod mesh_files;
 mod meshes;
 mod parameters;
 mod regions;
@@ -31,6 +32,8 @@ mod unsupported;
 
 pub use catalogue::catalogue;
 pub use error::{PrepareError, PrepareProblem};
+pub use mesh_files::mesh_files;
+pub use meshes::Read;
 
 use error::Findings;
 use regions::Place;
