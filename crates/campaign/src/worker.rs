@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 use std::fs::{self, File};
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::{MAIN_SEPARATOR, Path, PathBuf};
 use std::process::{Command, ExitStatus, Stdio};
 use std::time::Instant;
 
@@ -187,6 +187,8 @@ impl Worker {
         }
         let messages = fs::read_to_string(self.folder.join("messages.txt")).unwrap_or_default();
         let messages = messages.replace(&workshop.scene.display().to_string(), &workshop.scene_name);
+        // Files are named as they lie in the folder of the simulation, which is going to have another name.
+        let messages = messages.replace(&format!("{}{MAIN_SEPARATOR}", self.folder.display()), "");
         let summary = summary(&self.folder);
         let said = || messages.rsplit_once("error: ").map_or(messages.as_str(), |(_, last)| last).trim().to_owned();
         let (name, reason) = match (status.code(), summary["status"].as_str()) {

@@ -9,6 +9,7 @@ mod description;
 mod disturbed;
 mod example;
 mod export;
+mod hyperqueue;
 mod place;
 mod postgres;
 mod report;

@@ -30,6 +30,8 @@ fn failures_stay_alone() {
         };
         assert_eq!(row[status], expected.0, "{row:?}");
         assert!(row[reason].contains(expected.1) && row[reason].is_empty() == expected.1.is_empty(), "{row:?}");
+        let last_good = "The last good state is in last_good.vtu; checkpoint.bin holds it";
+        assert!(row[status] != "failed" || row[reason].contains(last_good), "folders had other names then: {row:?}");
     }
     let tip = column("tip mean displacement z");
     assert!(table.rows[0][tip].parse::<f64>().unwrap() < 0.0 && table.rows[0][column("elements")] == "5");
