@@ -4,6 +4,12 @@
     souple campaign run campaigns/bending --jobs 2 --db campaign.db
     python3 tools/thesis_tables.py campaign.db bending        # any group of campaigns/, by its name
 
+Of several databases with the same group, times are medians; everything else must be the same in all of them and is
+printed once:
+
+    for i in 1 2 3; do souple campaign run campaigns/time_per_element --jobs 1 --threads 1 --db $i.db; done
+    python3 tools/thesis_tables.py 1.db 2.db 3.db "time per element"
+
 Bending: the deflection curve of a bar is the mean vertical displacement of the nodes of each section. Its mean distance
 from
 
@@ -19,6 +25,7 @@ Torsion: distances between nodes on five lines along the bar, at the sections of
 import math
 import re
 import sqlite3
+import statistics
 import sys
 from pathlib import Path
 
@@ -75,12 +82,19 @@ class Run:
         self.base, self.case, self.values = base, case, values
         self.simulation, self.status, self.reason = simulation, status, reason
         self.elements = self.one("SELECT SUM(count) FROM element_counts WHERE simulation_id = ?")
+        # The same simulation in every database that was given, itself included.
+        self.repetitions = [self]
 
     def one(self, sql, *more):
         row = self.base.execute(sql, [self.simulation, *more]).fetchone()
         return row[0] if row else None
 
     def ms(self, phase):
+        """The median over all repetitions, in ms."""
+        times = [run.own_ms(phase) for run in self.repetitions]
+        return None if None in times else statistics.median(times)
+
+    def own_ms(self, phase):
         return self.one("SELECT ms_per_step FROM timings WHERE simulation_id = ? AND phase = ?", phase)
 
     def measured(self, probe, quantity, component=""):
@@ -228,10 +242,25 @@ TABLES = {
 }
 
 
+def repeated(paths, name):
+    """The simulations of the first database, each with its counterparts in the others."""
+    first, *others = [runs(path, name) for path in paths]
+    results = """SELECT probe, quantity, component, value FROM measurements WHERE simulation_id = ?
+                 ORDER BY probe, quantity, component"""
+    for path, other in zip(paths[1:], others):
+        if [run.case for run in other] != [run.case for run in first]:
+            sys.exit(f"{path} has other cases than {paths[0]}; both must be of one description")
+        for run, again in zip(first, other):
+            if again.base.execute(results, [again.simulation]).fetchall() != run.base.execute(results, [run.simulation]).fetchall():
+                sys.exit(f"{path} has other results of {run.case} than {paths[0]}; both must be of one program and processor")
+            run.repetitions.append(again)
+    return first
+
+
 def main():
-    if len(sys.argv) != 3 or sys.argv[2] not in TABLES:
+    if len(sys.argv) < 3 or sys.argv[-1] not in TABLES:
         sys.exit(f"{__doc__}\nGroups: {', '.join(TABLES)}")
-    TABLES[sys.argv[2]](runs(sys.argv[1], sys.argv[2]))
+    TABLES[sys.argv[-1]](repeated(sys.argv[1:-1], sys.argv[-1]))
 
 
 if __name__ == "__main__":
