@@ -71,6 +71,9 @@ pub(crate) struct Arguments {
     /// Simulated seconds per second as the window opens; 0 is as fast as it goes
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
     speed: f64,
+    /// Pictures per second at most; without it 18 where the processor draws, and what the screen shows elsewhere
+    #[arg(long, value_name = "N", conflicts_with = "screenshot")]
+    pictures_per_second: Option<f64>,
     /// Close the window after this many pictures, in which the body turns once around and is pulled
     #[arg(long, value_name = "N", conflicts_with = "screenshot")]
     pub(crate) frames: Option<usize>,
@@ -131,6 +134,17 @@ impl Arguments {
             ));
         }
         Ok(SessionOptions { speed: (self.speed > 0.0).then_some(self.speed), ..SessionOptions::default() })
+    }
+
+    /// Pictures per second at most.
+    #[cfg(feature = "window")]
+    pub(crate) fn rate(&self) -> Result<Option<f64>, String> {
+        match self.pictures_per_second {
+            Some(rate) if !(0.1..=1000.0).contains(&rate) => {
+                Err(format!("--pictures-per-second is a number from 0.1 to 1000, found {rate}"))
+            }
+            rate => Ok(rate),
+        }
     }
 
     /// Where and how to compute.

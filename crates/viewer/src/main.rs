@@ -66,6 +66,7 @@ fn window(arguments: &Arguments, started: Instant) -> Result<ExitCode, String> {
         overrides: arguments.overrides.clone(),
         options: arguments.run_options(),
         session: arguments.session()?,
+        rate: arguments.rate()?,
         trial,
     })?;
     Ok(ExitCode::SUCCESS)

@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 /// What is wanted of a window that ends itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TrialOptions {
-    /// Pictures of the scene until the end.
+    /// Pictures of the scene until the end; more, when the pull has not come through a step by then.
     pub frames: usize,
     /// Where the report is written, as JSON.
     pub report: Option<PathBuf>,
@@ -49,6 +49,8 @@ pub struct Trial {
     grip: Option<Pos2>,
     /// The pass in which the pull was sent.
     pulled: Option<usize>,
+    /// Whether the pointer let go.
+    released: bool,
     /// The picture of the window, once it was asked for.
     image: Option<Receiver<Arc<egui::ColorImage>>>,
     report: Option<Value>,
@@ -67,6 +69,7 @@ impl Trial {
             draw_ms: Vec::new(),
             grip: None,
             pulled: None,
+            released: false,
             image: None,
             report: None,
             outcome,
@@ -92,7 +95,10 @@ impl Trial {
             0 => input.events.push(Event::PointerMoved(grip)),
             1 => input.events.push(button(grip, true)),
             2..10 => input.events.push(Event::PointerMoved(grip - vec2(0.0, 12.0 * (after - 1) as f32))),
-            20 => input.events.push(button(grip - vec2(0.0, 96.0), false)),
+            20.. if !self.released && !self.waits() => {
+                self.released = true;
+                input.events.push(button(grip - vec2(0.0, 96.0), false));
+            }
             _ => {}
         }
     }
@@ -100,7 +106,7 @@ impl Trial {
     /// Takes note of a pass, and ends the window after the last one.
     pub fn after(&mut self, app: &mut App, context: &egui::Context) {
         let opened = *self.opened.get_or_insert_with(Instant::now);
-        context.request_repaint();
+        app.pace.next(context);
         if let Stage::Failed { path, message } = &app.stage {
             self.end(Err(format!("{}: {message}", path.display())), context);
             return;
@@ -108,7 +114,7 @@ impl Trial {
         if matches!(app.stage, Stage::Loading { .. }) {
             return;
         }
-        if self.passes.len() <= self.options.frames {
+        if self.passes.len() <= self.options.frames || self.waits() {
             self.measure(app);
             return;
         }
@@ -129,6 +135,13 @@ impl Trial {
             Some(Ok(image)) => self.end(self.write(Some(&image)), context),
             None => self.end(self.write(None), context),
         }
+    }
+
+    /// Whether the pull has not come through a step yet: steps may take longer than many pictures.
+    fn waits(&self) -> bool {
+        let pulled = self.pulled.and_then(|pass| self.passes.get(pass));
+        let now = self.passes.last().map_or(0, |pass| pass.step);
+        self.passes.len() < 100 * self.options.frames && pulled.is_some_and(|pass| now <= pass.step + 1)
     }
 
     fn measure(&mut self, app: &mut App) {

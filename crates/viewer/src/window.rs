@@ -1,6 +1,7 @@
 //! A window of the desktop around [`App`](crate::app::App).
 
 use crate::app::App;
+use crate::app::pace::Pace;
 use crate::trial::{Trial, TrialOptions};
 use souple_simulation::RunOptions;
 use souple_simulation::session::SessionOptions;
@@ -21,6 +22,8 @@ pub struct Opening {
     pub options: RunOptions,
     /// How the simulation begins.
     pub session: SessionOptions,
+    /// Pictures per second at most, if a person has chosen.
+    pub rate: Option<f64>,
     /// What the window does of itself, if anything.
     pub trial: Option<TrialOptions>,
 }
@@ -67,7 +70,8 @@ pub fn open(opening: Opening) -> Result<(), String> {
                 let _ = sender.send(ended);
                 trial
             });
-            let app = App::new(state, opening.scene, opening.overrides, opening.options, opening.session);
+            let mut app = App::new(&state, opening.scene, opening.overrides, opening.options, opening.session);
+            app.pace = Pace::of(&state.adapter, opening.rate);
             Ok(Box::new(Window { app, trial }) as Box<dyn eframe::App>)
         };
     eframe::run_native("souple", native, Box::new(create))

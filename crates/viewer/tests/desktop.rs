@@ -89,7 +89,7 @@ fn the_window_opens_and_draws() {
     assert!(output.status.success(), "{}: {said}", output.status);
 
     let measured: serde_json::Value = serde_json::from_slice(&std::fs::read(&report).unwrap()).unwrap();
-    assert_eq!(measured["frames"], 24, "{measured}");
+    assert!(measured["frames"].as_u64().is_some_and(|n| n >= 24), "{measured}");
     for number in ["opened_ms", "first_picture_ms", "frames_per_second"] {
         assert!(measured[number].as_f64().is_some_and(|x| x > 0.0), "{number} of {measured}");
     }

@@ -8,9 +8,11 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use egui_kittest::wgpu::WgpuTestRenderer;
 use egui_kittest::{Harness, Node};
+use egui_wgpu::RenderState;
 use souple_simulation::RunOptions;
 use souple_simulation::session::{SessionOptions, replay};
 use souple_viewer::app::{App, Stage};
+use souple_viewer::draw::ink::Ink;
 use souple_viewer::scene_file;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -54,7 +56,7 @@ fn window(test: &str, scene: Option<PathBuf>, playing: bool) -> Option<Window> {
     };
     let options = RunOptions { threads: 1, ..RunOptions::default() };
     let session = SessionOptions { playing, speed: None, ..SessionOptions::default() };
-    let app = App::new(state.clone(), scene, Vec::new(), options, session);
+    let app = App::new(&state, scene, Vec::new(), options, session);
     let harness = Harness::builder()
         .with_size([1200.0, 800.0])
         .with_pixels_per_point(1.0)
@@ -202,6 +204,82 @@ fn sections_change_the_picture() {
     }
     assert!(changed > 1000, "{changed} pixels changed");
     assert!(shown > 1000, "only {shown} pixels show the body");
+}
+
+/// The view holds the drawn picture pixel for pixel, and panels have their colour, though egui fills neither.
+#[test]
+fn the_backdrop_is_the_picture() {
+    let path = scene("backdrop", &BAR.replace("GRAVITY", ""));
+    let Some(mut window) = window("the_backdrop_is_the_picture", Some(path), false) else { return };
+    until(&mut window, "the scene", arrived);
+    window.run_steps(3);
+    let area = view(&window).rect();
+    let shown = window.render().unwrap();
+    let drawn = window.state().picture().unwrap();
+    assert_eq!(drawn.size, [area.width().round() as u32, area.height().round() as u32]);
+    let corner = [area.left().round() as u32, area.top().round() as u32];
+    let (mut equal, mut body) = (0, 0);
+    for y in 0..drawn.size[1] {
+        for x in 0..drawn.size[0] {
+            let (a, b) = (drawn.at([x, y]), shown.get_pixel(corner[0] + x, corner[1] + y));
+            equal += u32::from(a[..] == b.0[..3]);
+            body += u32::from(a.iter().max().unwrap() - a.iter().min().unwrap() > 60);
+        }
+    }
+    let all = drawn.size[0] * drawn.size[1];
+    // Title, legend, axes and scale are written over it.
+    assert!(equal > all / 10 * 9, "{equal} of {all} pixels are the picture's");
+    assert!(body > 1000, "only {body} pixels show the body");
+    let fill = window.ctx.global_style().visuals.panel_fill;
+    let below_the_panels = shown.get_pixel(area.left() as u32 / 2, area.bottom() as u32 - 4);
+    assert_eq!(below_the_panels.0, fill.to_array());
+}
+
+/// Where the processor draws, texts, controls and plots look as egui itself draws them, to a step or two of 255.
+#[test]
+fn ink_is_what_egui_draws() {
+    let inked = |state: &_| Ink::new(state);
+    let plain = |_: &_| None;
+    let content = |ui: &mut egui::Ui| {
+        ui.heading("Souple");
+        ui.label("Forces, tangents, and letters with accents: é à ü");
+        ui.add(egui::Slider::new(&mut 0.4, 0.0..=1.0).text("poisson"));
+        let _ = ui.button("Play");
+        ui.checkbox(&mut true, "edges");
+        egui::ScrollArea::vertical().max_height(60.0).show(ui, |ui| {
+            (0..30).for_each(|k| drop(ui.label(format!("line {k}"))));
+        });
+        let points: Vec<[f64; 2]> = (0..40).map(|k| [f64::from(k), f64::from(k * k)]).collect();
+        egui_plot::Plot::new("plot").height(100.0).show(ui, |plot| plot.line(egui_plot::Line::new("line", points)));
+    };
+    let picture = |of: &dyn Fn(&RenderState) -> Option<Ink>| {
+        let state = souple_viewer::draw::device::open().ok()?;
+        let mut ink = of(&state);
+        let mut taken = 0;
+        let builder = Harness::builder().with_size([400.0, 400.0]).with_pixels_per_point(1.25);
+        let mut harness = builder.renderer(WgpuTestRenderer::from_render_state(state)).build_ui(|ui| {
+            content(ui);
+            taken += usize::from(ink.as_mut().is_some_and(|ink| ink.take_over(ui.ctx(), ui.layer_id())));
+        });
+        // The texture of letters comes with the first picture.
+        harness.render().unwrap();
+        harness.run_steps(2);
+        let picture = harness.render().unwrap();
+        drop(harness);
+        Some((picture, taken))
+    };
+    let (Some((theirs, _)), Some((ours, taken))) = (picture(&plain), picture(&inked)) else {
+        println!("skipped: there is no graphics device");
+        return;
+    };
+    if taken == 0 {
+        println!("skipped: a graphics card draws what egui draws");
+        return;
+    }
+    let farthest = theirs.as_raw().iter().zip(ours.as_raw()).map(|(a, b)| a.abs_diff(*b)).max().unwrap();
+    assert!(farthest <= 2, "a pixel differs by {farthest}");
+    let painted = theirs.pixels().filter(|p| p[0] > 100).count();
+    assert!(painted > 1000, "the picture is empty");
 }
 
 /// A scene that is wrong shows why in the window, which goes on, and reads it again when it is right.

@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`running`] | a scene that runs: its session, its model, what was chosen |
 //! | [`view`] | the picture, and what the pointer does in it |
+//! | [`pace`] | when the next picture is due |
 //! | [`time_panel`] | play, pause, step, speed, history, reset |
 //! | [`look_panel`] | colours, faces, section |
 //! | [`touch_panel`] | what the pointer does, the tool, law parameters, gravity, step, damping |
@@ -14,6 +15,7 @@
 
 mod look_panel;
 mod numbers_panel;
+pub mod pace;
 mod record_panel;
 pub mod running;
 mod scenes;
@@ -21,9 +23,13 @@ mod time_panel;
 mod touch_panel;
 mod view;
 
-use crate::draw::renderer::Renderer;
+use crate::draw::backdrop::Backdrop;
+use crate::draw::device::{DeviceError, Pixels};
+use crate::draw::ink::Ink;
+use crate::draw::renderer::{Renderer, Samples};
 use crate::scene_file;
-use egui_wgpu::{RenderState, wgpu};
+use egui_wgpu::RenderState;
+use pace::Pace;
 use running::Running;
 use souple_simulation::session::{Session, SessionOptions};
 use souple_simulation::{RunOptions, Simulation};
@@ -53,34 +59,19 @@ pub enum Stage {
     Running(Box<Running>),
 }
 
-/// The drawing of the model, shared by all scenes.
+/// The drawing of the model, shared by all scenes, and how it gets into the window.
 pub(crate) struct Canvas {
-    pub(crate) state: RenderState,
     pub(crate) renderer: Renderer,
-    shown: Option<egui::TextureId>,
-}
-
-impl Canvas {
-    /// The texture as egui knows it.
-    pub(crate) fn texture(&mut self, renewed: bool) -> egui::TextureId {
-        let (device, texture) = (&self.state.device, self.renderer.texture());
-        let mut egui = self.state.renderer.write();
-        match self.shown {
-            Some(id) => {
-                if renewed {
-                    egui.update_egui_texture_from_wgpu_texture(device, texture, wgpu::FilterMode::Linear, id);
-                }
-                id
-            }
-            None => *self.shown.insert(egui.register_native_texture(device, texture, wgpu::FilterMode::Linear)),
-        }
-    }
+    pub(crate) backdrop: Backdrop,
+    ink: Option<Ink>,
 }
 
 /// The content of a window.
 pub struct App {
     /// What is shown.
     pub stage: Stage,
+    /// When the next picture is due.
+    pub pace: Pace,
     canvas: Canvas,
     overrides: Vec<String>,
     options: RunOptions,
@@ -90,16 +81,17 @@ pub struct App {
 impl App {
     /// Opens a scene, or offers the bundled ones.
     pub fn new(
-        state: RenderState,
+        state: &RenderState,
         scene: Option<PathBuf>,
         overrides: Vec<String>,
         options: RunOptions,
         session: SessionOptions,
     ) -> App {
-        let renderer = Renderer::new(&state.device, &state.queue);
-        let canvas = Canvas { state, renderer, shown: None };
+        let renderer = Renderer::new(&state.device, &state.queue, Samples::for_motion(&state.adapter));
+        let canvas = Canvas { renderer, backdrop: Backdrop::new(state), ink: Ink::new(state) };
         let stage = Stage::Choosing(scenes::Gallery::find());
-        let mut app = App { stage, canvas, overrides, options, session };
+        let pace = Pace::of(&state.adapter, None);
+        let mut app = App { stage, pace, canvas, overrides, options, session };
         if let Some(path) = scene {
             app.open(path);
         }
@@ -136,6 +128,14 @@ impl App {
         }
     }
 
+    /// The picture of the scene that was drawn last, without what is written over it.
+    ///
+    /// # Errors
+    /// When the device is lost.
+    pub fn picture(&self) -> Result<Pixels, DeviceError> {
+        self.canvas.renderer.pixels()
+    }
+
     fn arrive(&mut self, context: &egui::Context) {
         let Stage::Loading { path, arrival } = &self.stage else { return };
         let path = path.clone();
@@ -150,8 +150,8 @@ impl App {
                 let model = crate::model::Model::of(&simulation);
                 let regions = running::regions(&simulation);
                 let blocks = running::blocks(&simulation);
-                let context = context.clone();
-                let wake = Box::new(move || context.request_repaint());
+                let (context, pace) = (context.clone(), self.pace.clone());
+                let wake = Box::new(move || pace.next(&context));
                 Session::start(simulation, warnings, self.session.clone(), wake)
                     .map(|session| Running::new(path.clone(), session, model, regions, blocks))
             }
@@ -164,7 +164,13 @@ impl App {
 
     /// One pass of the whole content.
     pub fn ui(&mut self, ui: &mut egui::Ui) {
+        self.pace.begin();
         self.arrive(ui.ctx());
+        // Panels show the backdrop: what egui itself fills costs many times more on the processor.
+        let fill = ui.visuals().panel_fill;
+        let behind = self.canvas.backdrop.fill(ui.ctx().content_rect(), fill);
+        ui.painter().add(behind);
+        ui.visuals_mut().panel_fill = egui::Color32::TRANSPARENT;
         let mut wish = None;
         match &mut self.stage {
             Stage::Choosing(gallery) => wish = gallery.ui(ui),
@@ -195,6 +201,9 @@ impl App {
                 });
                 egui::CentralPanel::no_frame().show(ui, |ui| view::ui(running, &mut self.canvas, ui));
             }
+        }
+        if let Some(ink) = &mut self.canvas.ink {
+            ink.take_over(ui.ctx(), ui.layer_id());
         }
         match wish {
             None => {}

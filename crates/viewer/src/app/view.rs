@@ -50,11 +50,9 @@ pub(super) fn ui(running: &mut Running, canvas: &mut Canvas, ui: &mut Ui) {
     let started = Instant::now();
     let scale = ui.ctx().pixels_per_point();
     let size = [(area.width() * scale).round().max(1.0) as u32, (area.height() * scale).round().max(1.0) as u32];
-    let renewed = draw(running, canvas, size);
-    let texture = canvas.texture(renewed);
+    draw(running, canvas, size);
     let painter = ui.painter_at(area);
-    let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-    painter.image(texture, area, whole, egui::Color32::WHITE);
+    painter.add(canvas.backdrop.picture(area, canvas.renderer.texture()));
     let snapshot = &running.snapshot;
     let subtitle = format!("t = {}", with_unit(snapshot.time, "s"));
     let overlay =
@@ -109,16 +107,16 @@ fn section(running: &mut Running) {
     });
 }
 
-/// Draws into the canvas; whether its texture is another one than before. What is drawn is made anew only when the state
-/// or the way it is shown has changed: turning a large model costs no more than its pixels.
-fn draw(running: &mut Running, canvas: &mut Canvas, size: [u32; 2]) -> bool {
+/// Draws into the canvas. What is drawn is made anew only when the state or the way it is shown has changed: turning a
+/// large model costs no more than its pixels.
+fn draw(running: &mut Running, canvas: &mut Canvas, size: [u32; 2]) {
     let key = FrameKey { snapshot: running.snapshot.number, look: running.look.clone(), tool: running.tool.clone() };
     if running.drawn.as_ref() != Some(&key) {
         load(running, canvas);
         running.drawn = Some(key);
     }
     let ground = running.look.ground.then_some(running.ground);
-    canvas.renderer.draw(&Shot { size, camera: running.camera, section: running.look.section, ground })
+    canvas.renderer.draw(&Shot { size, camera: running.camera, section: running.look.section, ground });
 }
 
 fn load(running: &mut Running, canvas: &mut Canvas) {

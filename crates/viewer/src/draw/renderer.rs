@@ -2,7 +2,7 @@
 //! window and by tests.
 //!
 //! ```text
-//! ground ── shadow ── surface ── lines ──► four samples per pixel ──► texture (sRGB bytes in a linear format)
+//! ground ── shadow ── surface ── lines ──► one or four samples per pixel ──► texture (sRGB bytes in a linear format)
 //! ```
 //!
 //! Why not egui's own pass? Tests and windows give it no depth buffer.
@@ -20,7 +20,32 @@ use wgpu::util::DeviceExt as _;
 /// What egui shows without converting.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
-const SAMPLES: u32 = 4;
+
+/// How often each pixel is sampled: edges are smooth with more than one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Samples {
+    /// Once: all that the processor can do while it also computes.
+    One,
+    /// Four times.
+    Four,
+}
+
+impl Samples {
+    /// What a device draws many pictures per second with.
+    pub fn for_motion(adapter: &wgpu::Adapter) -> Samples {
+        match adapter.get_info().device_type {
+            wgpu::DeviceType::Cpu => Samples::One,
+            _ => Samples::Four,
+        }
+    }
+
+    fn count(self) -> u32 {
+        match self {
+            Samples::One => 1,
+            Samples::Four => 4,
+        }
+    }
+}
 
 /// What the shader reads once per picture; see `scene.wgsl`.
 #[repr(C)]
@@ -39,7 +64,7 @@ struct View {
 }
 
 /// Where and how a frame is seen.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shot {
     /// Width and height in pixels.
     pub size: [u32; 2],
@@ -64,7 +89,10 @@ pub struct Renderer {
     corners: Growing,
     strokes: Growing,
     loaded: Loaded,
+    samples: Samples,
     target: Target,
+    /// What the texture shows, unless another frame has come.
+    drawn: Option<Shot>,
 }
 
 /// What is in the buffers.
@@ -78,7 +106,8 @@ struct Loaded {
 struct Target {
     texture: wgpu::Texture,
     view: wgpu::TextureView,
-    samples: wgpu::TextureView,
+    /// What is drawn to, when that is not the picture itself.
+    samples: Option<wgpu::TextureView>,
     depth: wgpu::TextureView,
 }
 
@@ -106,7 +135,7 @@ impl Growing {
 }
 
 impl Target {
-    fn new(device: &wgpu::Device, [width, height]: [u32; 2]) -> Target {
+    fn new(device: &wgpu::Device, [width, height]: [u32; 2], samples: Samples) -> Target {
         let texture = |label, format, samples, usage| {
             device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
@@ -126,8 +155,8 @@ impl Target {
         Target {
             view: view(&resolved),
             texture: resolved,
-            samples: view(&texture("samples", FORMAT, SAMPLES, drawn)),
-            depth: view(&texture("depth", DEPTH, SAMPLES, drawn)),
+            samples: (samples != Samples::One).then(|| view(&texture("samples", FORMAT, samples.count(), drawn))),
+            depth: view(&texture("depth", DEPTH, samples.count(), drawn)),
         }
     }
 }
@@ -142,7 +171,7 @@ struct Stage<'a> {
 
 impl Renderer {
     /// Compiles the shader and sets everything up; the first picture makes the texture.
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Renderer {
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, samples: Samples) -> Renderer {
         let shader = device.create_shader_module(wgpu::include_wgsl!("scene.wgsl"));
         let view = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("view"),
@@ -190,7 +219,7 @@ impl Renderer {
                     stencil: wgpu::StencilState::default(),
                     bias: wgpu::DepthBiasState::default(),
                 }),
-                multisample: wgpu::MultisampleState { count: SAMPLES, ..wgpu::MultisampleState::default() },
+                multisample: wgpu::MultisampleState { count: samples.count(), ..wgpu::MultisampleState::default() },
                 fragment: Some(wgpu::FragmentState {
                     module: &shader,
                     entry_point: Some(stage.fragment),
@@ -222,7 +251,9 @@ impl Renderer {
             corners: Growing::new(device, "corners", 1 << 16),
             strokes: Growing::new(device, "lines", 1 << 16),
             loaded: Loaded::default(),
-            target: Target::new(device, [16, 16]),
+            target: Target::new(device, [16, 16], samples),
+            samples,
+            drawn: None,
             device: device.clone(),
             queue: queue.clone(),
             view,
@@ -236,16 +267,23 @@ impl Renderer {
         self.strokes.write(&self.device, &self.queue, bytemuck::cast_slice(&frame.lines));
         self.loaded =
             Loaded { corners: frame.corners.len() as u32, lines: frame.lines.len() as u32, bounds: frame.bounds };
+        self.drawn = None;
     }
 
-    /// Draws the loaded frame into the texture; whether the texture is another one than before.
+    /// Draws the loaded frame into the texture; whether the texture is another one than before. What the texture shows
+    /// already is not drawn again.
     pub fn draw(&mut self, shot: &Shot) -> bool {
         let limit = self.device.limits().max_texture_dimension_2d;
         let size = shot.size.map(|s| s.clamp(1, limit));
         let renewed = [self.target.texture.width(), self.target.texture.height()] != size;
         if renewed {
-            self.target = Target::new(&self.device, size);
+            self.target = Target::new(&self.device, size, self.samples);
+            self.drawn = None;
         }
+        if self.drawn == Some(*shot) {
+            return renewed;
+        }
+        self.drawn = Some(*shot);
         let view = view_of(self.loaded.bounds, shot, size);
         self.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("scene") });
@@ -253,12 +291,12 @@ impl Renderer {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("scene"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &self.target.samples,
+                view: self.target.samples.as_ref().unwrap_or(&self.target.view),
                 depth_slice: None,
-                resolve_target: Some(&self.target.view),
+                resolve_target: self.target.samples.as_ref().map(|_| &self.target.view),
                 ops: wgpu::Operations {
                     load: wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a: 1.0 }),
-                    store: wgpu::StoreOp::Discard,
+                    store: if self.target.samples.is_some() { wgpu::StoreOp::Discard } else { wgpu::StoreOp::Store },
                 },
             })],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {

@@ -3,7 +3,7 @@
 use super::device::{DeviceError, Pixels, describe, open, read};
 use super::frame::{Extras, Faceted, frame};
 use super::overlay::{Overlay, paint};
-use super::renderer::{Renderer, Shot};
+use super::renderer::{Renderer, Samples, Shot};
 use crate::camera::Camera;
 use crate::colouring::colours;
 use crate::geometry::{Vector, dot};
@@ -43,7 +43,7 @@ impl Studio {
 
     /// On a device that is open.
     pub fn with(state: RenderState) -> Studio {
-        let renderer = Renderer::new(&state.device, &state.queue);
+        let renderer = Renderer::new(&state.device, &state.queue, Samples::Four);
         Studio { renderer, state, context: egui::Context::default(), shown: None }
     }
 
