@@ -12,8 +12,10 @@ use egui_wgpu::RenderState;
 use souple_simulation::RunOptions;
 use souple_simulation::session::{SessionOptions, replay};
 use souple_viewer::app::{App, Stage};
+use souple_viewer::draw::device::Pixels;
 use souple_viewer::draw::ink::Ink;
 use souple_viewer::scene_file;
+use std::io::BufReader;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -233,6 +235,35 @@ fn the_backdrop_is_the_picture() {
     let fill = window.ctx.global_style().visuals.panel_fill;
     let below_the_panels = shown.get_pixel(area.left() as u32 / 2, area.bottom() as u32 - 4);
     assert_eq!(below_the_panels.0, fill.to_array());
+}
+
+/// The window of a scene that has not begun looks as it did when its picture was kept: panels, names, colours, body.
+///
+/// `SOUPLE_BLESS=1` keeps a new picture; look at it.
+#[test]
+fn the_window_looks_as_kept() {
+    let matching = BAR.replace("sections = [", r#"transition = "pyramids", sections = ["#);
+    let path = scene("kept", &matching.replace("GRAVITY", ""));
+    let Some(mut window) = window("the_window_looks_as_kept", Some(path), false) else { return };
+    until(&mut window, "the scene", arrived);
+    window.run_steps(3);
+    let now = window.render().unwrap();
+    let kept = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/snapshots/window.png");
+    if std::env::var_os("SOUPLE_BLESS").is_some() {
+        let pixels = Pixels { size: [now.width(), now.height()], bytes: now.into_raw() };
+        std::fs::create_dir_all(kept.parent().unwrap()).unwrap();
+        std::fs::write(&kept, pixels.png().unwrap()).unwrap();
+        return;
+    }
+    let mut reader = png::Decoder::new(BufReader::new(std::fs::File::open(&kept).unwrap())).read_info().unwrap();
+    let mut then = vec![0; reader.output_buffer_size().unwrap()];
+    let about = reader.next_frame(&mut then).unwrap();
+    assert_eq!([about.width, about.height], [now.width(), now.height()]);
+    // Devices round and sample edges differently: one in a hundred pixels may.
+    let differs = |a: &[u8], b: &[u8]| (0..3).any(|k| a[k].abs_diff(b[k]) > 32);
+    let different = then.chunks_exact(3).zip(now.as_raw().chunks_exact(4)).filter(|(a, b)| differs(a, b)).count();
+    let all = (now.width() * now.height()) as usize;
+    assert!(different * 100 < all, "{different} of {all} pixels are others than in {}", kept.display());
 }
 
 /// Where the processor draws, texts, controls and plots look as egui itself draws them, to a step or two of 255.

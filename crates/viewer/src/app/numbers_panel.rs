@@ -26,7 +26,8 @@ pub(super) fn ui(running: &mut Running, ui: &mut Ui) {
 /// One bar per step, its parts as wide as their share.
 fn budget(recent: &[Sample], draw: f64, ui: &mut Ui) {
     let count = recent.len().max(1) as f64;
-    let mean = |of: &dyn Fn(&Sample) -> f64| recent.iter().map(of).sum::<f64>() / count;
+    // The sum of nothing is −0; adding 0 keeps its sign out of sight.
+    let mean = |of: &dyn Fn(&Sample) -> f64| (recent.iter().map(of).sum::<f64>() + 0.0) / count;
     let (force, linearise) = (mean(&|s| s.phases.force), mean(&|s| s.phases.linearise));
     let (product, solve) = (mean(&|s| s.phases.product), mean(&|s| s.phases.rest_of_solve));
     let contact = mean(&|s| s.phases.contact);
