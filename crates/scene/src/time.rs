@@ -63,7 +63,7 @@ static STOP: Section = Section {
             name: "mean_kinetic_energy",
             kind: Kind::Number(Dimension::ENERGY, Range::POSITIVE),
             presence: Presence::Required,
-            about: "at rest when the kinetic energy per node is below this",
+            about: "at rest when the kinetic energy per node is below this, but not while it grows without ever having been above",
         },
         Key {
             name: "check_every",

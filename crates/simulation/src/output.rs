@@ -320,6 +320,7 @@ impl Simulation {
         self.ending = None;
         self.skip_written_outputs();
         self.send();
+        self.watch_for_rest();
         Ok(())
     }
 }

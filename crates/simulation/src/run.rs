@@ -304,6 +304,7 @@ impl Simulation {
             rest,
         };
         simulation.note_followers();
+        simulation.watch_for_rest();
         Ok((simulation, warnings))
     }
 
@@ -558,6 +559,14 @@ impl Simulation {
     pub fn run_on(&mut self) {
         self.endless = true;
         self.ending = self.ending.filter(|e| *e == Ending::Failed);
+    }
+
+    /// Begins to watch for rest at this state.
+    pub(crate) fn watch_for_rest(&mut self) {
+        let energy = self.kinetic_energy() / self.prepared.nodes.len() as f64;
+        if let Some(monitor) = &mut self.rest {
+            monitor.begin(self.state.t, energy);
+        }
     }
 
     /// Notices the end, or rest before it.
