@@ -2,6 +2,7 @@
 
 mod criteria;
 pub mod derive_report;
+mod end;
 mod fields;
 pub mod gpu;
 pub mod interaction;

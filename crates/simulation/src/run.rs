@@ -21,7 +21,7 @@ use souple_scene::probe::Quantity;
 use souple_scene::{Scene, SceneErrors};
 use souple_solver::newton::LineSearch;
 use souple_solver::quasi_static::{QuasiStaticOptions, QuasiStaticStatus, quasi_static};
-use souple_solver::rest::{Rest, RestMonitor};
+use souple_solver::rest::RestMonitor;
 use souple_solver::step::{State, StepOptions, StepStatus, StepWorkspace, WarmStart, step};
 use souple_solver::vector::norm;
 use souple_solver::{Elimination, LanczosOptions, Method, NewtonOptions, StepBound, critical_step};
@@ -139,7 +139,7 @@ pub struct Simulation {
     /// What the scene gives for them.
     pub(crate) scene_controls: Controls,
     residual: f64,
-    endless: bool,
+    pub(crate) endless: bool,
     pub(crate) interaction: Interaction,
     /// ∫ρN of each node in kg: what gravity acts on.
     pub(crate) shape_mass: Vec<f64>,
@@ -147,7 +147,7 @@ pub struct Simulation {
     pub(crate) origin: (u64, f64),
     next_output: u64,
     workspace: StepWorkspace,
-    rest: Option<RestMonitor>,
+    pub(crate) rest: Option<RestMonitor>,
     /// Steps on a graphics device, and what the host knows of its state.
     pub(crate) on_device: Option<Remote>,
 }
@@ -552,37 +552,6 @@ impl Simulation {
             }
             QuasiStaticStatus::Failed(failure) => Err(format!("{} (at {reached})", failure.message)),
             QuasiStaticStatus::Interrupted => Err("interrupted".into()),
-        }
-    }
-
-    /// From now on neither the scene's end nor rest ends the simulation: somebody may want to touch it.
-    pub fn run_on(&mut self) {
-        self.endless = true;
-        self.ending = self.ending.filter(|e| *e == Ending::Failed);
-    }
-
-    /// Begins to watch for rest at this state.
-    pub(crate) fn watch_for_rest(&mut self) {
-        let energy = self.kinetic_energy() / self.prepared.nodes.len() as f64;
-        if let Some(monitor) = &mut self.rest {
-            monitor.begin(self.state.t, energy);
-        }
-    }
-
-    /// Notices the end, or rest before it.
-    fn settle(&mut self) {
-        if self.endless {
-            return;
-        }
-        let h = self.scene.time.step.value;
-        if self.state.t >= self.end_time() - 1e-9 * h {
-            self.ending = Some(Ending::Finished);
-        }
-        let energy = self.kinetic_energy() / self.prepared.nodes.len() as f64;
-        if let Some(monitor) = &mut self.rest
-            && matches!(monitor.check(self.state.t, || energy), Rest::AtRest(_))
-        {
-            self.ending = Some(Ending::AtRest);
         }
     }
 
