@@ -75,6 +75,8 @@ pub struct Worker {
     started: Instant,
     /// How it ended, after how many seconds.
     ended: Option<(ExitStatus, f64)>,
+    /// The file of its meshes that was not what was hashed, before it began or when it ended.
+    edited: Option<PathBuf>,
     /// What draws its picture, and since when.
     drawing: Option<(Process, Instant)>,
 }
@@ -101,9 +103,14 @@ pub fn start(workshop: &Workshop, job: Job, owner: &Owner) -> io::Result<Worker>
         fs::remove_dir_all(&folder)?;
     }
     fs::create_dir_all(&folder)?;
-    if changed(&job).is_some() {
+    let edited = changed(&job);
+    let new = |job, process, edited| {
+        let started = Instant::now();
+        Worker { job, process, folder: folder.clone(), started, ended: None, edited, drawing: None }
+    };
+    if edited.is_some() {
         std::thread::current().unpark();
-        return Ok(Worker { job, process: None, folder, started: Instant::now(), ended: None, drawing: None });
+        return Ok(new(job, None, edited));
     }
     let mut command = Command::new(&workshop.program);
     command.arg("run").arg(&workshop.scene).arg("--json").arg("--phases").arg("--stop-at-eof");
@@ -116,13 +123,13 @@ pub fn start(workshop: &Workshop, job: Job, owner: &Owner) -> io::Result<Worker>
         command.arg("--set").arg(change);
     }
     command.stdin(Stdio::piped()).stderr(File::create(folder.join("messages.txt"))?);
-    let process = Some(spawn(&mut command)?);
-    Ok(Worker { job, process, folder, started: Instant::now(), ended: None, drawing: None })
+    let process = spawn(&mut command)?;
+    Ok(new(job, Some(process), None))
 }
 
 /// The file of its meshes that is not what it was when the simulation was hashed.
-fn changed(job: &Job) -> Option<&Path> {
-    job.sources.iter().find(|source| **source != Source::now(&source.path)).map(|source| source.path.as_path())
+fn changed(job: &Job) -> Option<PathBuf> {
+    job.sources.iter().find(|source| **source != Source::now(&source.path)).map(|source| source.path.clone())
 }
 
 impl Worker {
@@ -151,6 +158,9 @@ impl Worker {
             let Some(process) = &mut self.process else { return Ok(Some(ExitStatus::default())) };
             let Some(status) = process.ended()? else { return Ok(None) };
             self.ended = Some((status, self.started.elapsed().as_secs_f64()));
+            // Asked again, because the process read them somewhere in between; and now, because what happens to them
+            // from here on is not its affair.
+            self.edited = changed(&self.job);
             self.drawing = picture::start(&self.folder, workshop.view.as_deref(), status);
             return Ok(if self.drawing.is_some() { None } else { Some(status) });
         };
@@ -177,10 +187,7 @@ impl Worker {
             fs::remove_dir_all(&self.folder)?;
             return Ok(None);
         }
-        // Asked again at the end: the process read them somewhere in between.
-        let edited = changed(&self.job).map(Path::to_owned);
-        let changed = self.process.is_none() || edited.is_some();
-        if changed {
+        if self.edited.is_some() {
             // What lies there is of another simulation.
             fs::remove_dir_all(&self.folder)?;
             fs::create_dir(&self.folder)?;
@@ -191,14 +198,14 @@ impl Worker {
         let messages = messages.replace(&format!("{}{MAIN_SEPARATOR}", self.folder.display()), "");
         let summary = summary(&self.folder);
         let said = || messages.rsplit_once("error: ").map_or(messages.as_str(), |(_, last)| last).trim().to_owned();
-        let (name, reason) = match (status.code(), summary["status"].as_str()) {
-            _ if changed => ("changed", told_of_change(edited.as_deref())),
+        let (name, reason) = match (&self.edited, status.code(), summary["status"].as_str()) {
+            (Some(path), ..) => ("changed", told_of_change(path)),
             // 1: expectations that are not met are errors in the table, not failures.
-            (Some(0 | 1), Some("at_rest" | "at rest")) => ("at rest", String::new()),
-            (Some(0 | 1), Some(_)) => ("finished", String::new()),
-            (Some(2), _) => ("invalid", said()),
-            (Some(3), _) => ("failed", said()),
-            (Some(4), _) => ("unwritten", said()),
+            (None, Some(0 | 1), Some("at_rest" | "at rest")) => ("at rest", String::new()),
+            (None, Some(0 | 1), Some(_)) => ("finished", String::new()),
+            (None, Some(2), ..) => ("invalid", said()),
+            (None, Some(3), ..) => ("failed", said()),
+            (None, Some(4), ..) => ("unwritten", said()),
             _ => ("crashed", format!("the process ended with {status}; {}", said())),
         };
         // What still moves is no equilibrium, and its forces are not those of its strains alone.
@@ -224,8 +231,8 @@ impl Worker {
 }
 
 /// Why a simulation is not what was hashed.
-fn told_of_change(edited: Option<&Path>) -> String {
-    let who = edited.map_or("a file of its meshes".to_owned(), |path| path.display().to_string());
+fn told_of_change(edited: &Path) -> String {
+    let who = edited.display();
     format!("{who} was changed after the simulation was planned; the same command plans it anew with the file as it is")
 }
 

@@ -209,6 +209,19 @@ fn edited_meshes_are_noticed() {
     assert_eq!(started(), 3);
 }
 
+/// What happens to a mesh after a simulation has ended is not that simulation's affair, also while it is being recorded.
+#[cfg(unix)]
+#[test]
+fn later_edits_concern_later_simulations() {
+    with_souple();
+    let place = with_mesh_file("edited_later");
+    // The second one empties the mesh as soon as it is started: the first has not been recorded yet.
+    let program = in_front(&place, "[ -e started ] && : > scenes/bar.vtu; echo started >> started");
+    let (out, err) = place.succeeds(&format!("run . --jobs 1 --souple {program}"));
+    assert!(out.contains("2 of 2 done: 1 came to their end"), "{out}{err}");
+    assert_eq!(err.matches("changed: ").count(), 1, "{err}");
+}
+
 /// Where a `souple-view` lies beside `souple`, it is given a scene of the end of each simulation that came to one, and the
 /// database says where its picture is.
 #[cfg(unix)]
