@@ -10,7 +10,7 @@ export function listen(world) {
   const { canvas } = world;
   /** Pointers that are down: place in pixels. */
   const down = new Map();
-  /** `null`, "turn", "move", "two", or the plane in which a spring is dragged. */
+  /** `null`, "turn", "move", two fingers and the view as it was, or the plane in which a spring is dragged. */
   let act = null;
 
   const sightAt = ({ clientX, clientY }) => {
@@ -18,6 +18,23 @@ export function listen(world) {
     const x = (2 * (clientX - box.left)) / box.width - 1;
     const y = 1 - (2 * (clientY - box.top)) / box.height;
     return sight(world.camera(), x, y);
+  };
+
+  /** Middle of two fingers from the picture's middle, and how far they are apart; both in heights of the picture. */
+  const fingers = () => {
+    const box = canvas.getBoundingClientRect();
+    const [a, b] = [...down.values()];
+    return {
+      x: ((a[0] + b[0]) / 2 - box.left - box.width / 2) / box.height,
+      y: ((a[1] + b[1]) / 2 - box.top - box.height / 2) / box.height,
+      apart: Math.hypot(a[0] - b[0], a[1] - b[1]) / box.height || 1e-3,
+    };
+  };
+
+  /** From now on the view follows two fingers. */
+  const hold = () => {
+    const camera = world.camera();
+    return camera && { fingers: fingers(), target: camera.target, distance: camera.distance };
   };
 
   const letGo = () => {
@@ -32,7 +49,7 @@ export function listen(world) {
     down.set(event.pointerId, [event.clientX, event.clientY]);
     letGo();
     if (down.size > 1) {
-      act = "two";
+      act = hold();
       return;
     }
     act = event.button === 1 || event.shiftKey ? "move" : "turn";
@@ -49,11 +66,15 @@ export function listen(world) {
     const camera = world.camera();
     const height = canvas.clientHeight;
     const [dx, dy] = [event.clientX - before[0], event.clientY - before[1]];
-    if (act === "two") {
-      const [other] = [...down].filter(([id]) => id !== event.pointerId).map(([, p]) => p);
-      const apart = (p) => Math.hypot(p[0] - other[0], p[1] - other[1]) || 1;
-      zoom(camera, apart(before) / apart([event.clientX, event.clientY]));
-      pan(camera, dx / height / 2, dy / height / 2);
+    down.set(event.pointerId, [event.clientX, event.clientY]);
+    if (act.fingers) {
+      // From the beginning each time, because one finger is told of after the other: what was between them stays there.
+      const [first, now] = [act.fingers, fingers()];
+      camera.target = act.target;
+      camera.distance = act.distance;
+      pan(camera, -first.x, -first.y);
+      zoom(camera, first.apart / now.apart);
+      pan(camera, now.x, now.y);
     } else if (act === "move") {
       pan(camera, dx / height, dy / height);
     } else if (act === "turn") {
@@ -63,14 +84,13 @@ export function listen(world) {
       const distance = dot(add(act.point, origin, -1), act.normal) / dot(direction, act.normal);
       world.move(add(origin, direction, distance));
     }
-    down.set(event.pointerId, [event.clientX, event.clientY]);
     world.redraw();
   });
   for (const name of ["pointerup", "pointercancel"]) {
     canvas.addEventListener(name, (event) => {
       if (!down.delete(event.pointerId)) return;
       letGo();
-      if (down.size === 1) act = "turn";
+      if (down.size > 0) act = down.size === 1 ? "turn" : hold();
     });
   }
   canvas.addEventListener("wheel", (event) => {

@@ -36,6 +36,20 @@ fn is(pixel: [u8; 3], colour: Colour) -> bool {
     (0.3..1.1).contains(&light) && left.sqrt() < 12.0
 }
 
+/// Middle of places, and their mean distance from it.
+fn middle_and_spread(places: &[[f64; 2]]) -> ([f64; 2], f64) {
+    let mean = |of: &dyn Fn(&[f64; 2]) -> f64| places.iter().map(of).sum::<f64>() / places.len() as f64;
+    let middle = [mean(&|p| p[0]), mean(&|p| p[1])];
+    (middle, mean(&|p| (p[0] - middle[0]).hypot(p[1] - middle[1])))
+}
+
+/// The place that is nearest to the middle of all.
+fn central(places: &[[f64; 2]]) -> [f64; 2] {
+    let (middle, _) = middle_and_spread(places);
+    let distance = |p: &[f64; 2]| (p[0] - middle[0]).hypot(p[1] - middle[1]);
+    *places.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap()
+}
+
 /// Places of the pixels of a family, left of the panel.
 fn places(picture: &Picture, width: usize, of: Family) -> Vec<[f64; 2]> {
     let at = |k: usize| [k % picture.width, k / picture.width];
@@ -83,10 +97,7 @@ fn the_page_shows_and_touches_the_body() {
     assert!(moved > 3000, "{moved} pixels");
 
     // The tip is of tetrahedra: a point in the midst of them is taken, and dragged upwards while time passes.
-    let tip = places(&bent, 960, Family::Tetrahedron);
-    let mean: [f64; 2] = std::array::from_fn(|k| tip.iter().map(|p| p[k]).sum::<f64>() / tip.len() as f64);
-    let distance = |p: &[f64; 2]| (p[0] - mean[0]).hypot(p[1] - mean[1]);
-    let start = *tip.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap();
+    let start = central(&places(&bent, 960, Family::Tetrahedron));
     browser.mouse("mousePressed", start);
     for share in 1..=4 {
         browser.mouse("mouseMoved", [start[0], start[1] - 40.0 * f64::from(share)]);
@@ -115,6 +126,68 @@ fn the_page_shows_and_touches_the_body() {
         })
         .collect();
     assert!(foreign.is_empty() && requests.len() > 8, "{requests:#?}");
+}
+
+/// Fingers do what the mouse does: one on the body pulls it, one beside it turns the view, two move it and zoom; a second
+/// finger lets the body go.
+#[test]
+fn fingers_touch_the_body() {
+    let Some(mut browser) = browser("fingers", [1280, 800]) else { return };
+    let server = client::scene("../../scenes/mixed_bar.toml");
+    browser.go(&format!("http://{}/", server.address()));
+    browser.wait_for("document.body.dataset.step === '0'");
+    // Of the middle of the bar, which stays in the picture.
+    let seen = |browser: &mut Browser| {
+        browser.wait_for("true");
+        places(&pixels(&browser.screenshot()), 960, Family::Prism)
+    };
+    let first = seen(&mut browser);
+    let (middle, spread) = middle_and_spread(&first);
+
+    // A finger beside the body, upwards: seen from farther below.
+    browser.touch("touchStart", &[[480.0, 150.0]]);
+    browser.touch("touchMove", &[[480.0, 50.0]]);
+    browser.touch("touchEnd", &[]);
+    let turned = seen(&mut browser);
+    assert_eq!(browser.value("document.getElementById('pull').textContent"), "–");
+    assert!(turned != first);
+    browser.touch("touchStart", &[[480.0, 50.0]]);
+    browser.touch("touchMove", &[[480.0, 150.0]]);
+    browser.touch("touchEnd", &[]);
+    let (back, _) = middle_and_spread(&seen(&mut browser));
+    assert!((back[0] - middle[0]).hypot(back[1] - middle[1]) < 2.0, "{back:?} is not {middle:?}");
+
+    // Two fingers side by side: all moves with them, by as many pixels.
+    browser.touch("touchStart", &[[440.0, 150.0]]);
+    browser.touch("touchStart", &[[440.0, 150.0], [520.0, 150.0]]);
+    browser.touch("touchMove", &[[440.0, 250.0], [520.0, 250.0]]);
+    browser.touch("touchEnd", &[]);
+    let (moved, same) = middle_and_spread(&seen(&mut browser));
+    assert!((moved[1] - middle[1] - 100.0).abs() < 15.0, "{moved:?} after {middle:?}");
+    assert!((same / spread - 1.0).abs() < 0.1, "{same} after {spread}");
+    // Twice as far apart: twice as large, and what was between the fingers stays there.
+    let [x, y] = moved;
+    browser.touch("touchStart", &[[x, y - 70.0]]);
+    browser.touch("touchStart", &[[x, y - 70.0], [x, y + 70.0]]);
+    browser.touch("touchMove", &[[x, y - 140.0], [x, y + 140.0]]);
+    browser.touch("touchEnd", &[]);
+    let (there, larger) = middle_and_spread(&seen(&mut browser));
+    assert!((1.7..2.3).contains(&(larger / same)), "{larger} after {same}");
+    assert!((there[0] - x).hypot(there[1] - y) < 25.0, "{there:?} after {moved:?}");
+    browser.value("document.body.dispatchEvent(new KeyboardEvent('keydown', { key: 'f', bubbles: true }))");
+
+    let start = central(&seen(&mut browser));
+    browser.touch("touchStart", &[start]);
+    browser.touch("touchMove", &[[start[0], start[1] - 80.0]]);
+    browser.value("document.getElementById('play').click()");
+    browser.wait_for("document.getElementById('pull').textContent.endsWith('N')");
+    browser.wait_for("!document.getElementById('force').hidden");
+    let second = [start[0] + 90.0, start[1] - 80.0];
+    browser.touch("touchStart", &[[start[0], start[1] - 80.0], second]);
+    browser.wait_for("document.getElementById('pull').textContent === '–'");
+    browser.touch("touchEnd", &[]);
+    let (complaints, _) = browser.complaints_and_requests();
+    assert!(complaints.is_empty(), "{complaints:#?}");
 }
 
 /// On a narrow screen nothing is wider than the screen; numbers get a legend with their unit, a cut shows the inside; when

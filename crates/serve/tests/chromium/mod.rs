@@ -146,6 +146,13 @@ impl Browser {
         self.call("Input.dispatchMouseEvent", event);
     }
 
+    /// Fingers on the screen from now on; an event of this kind tells the page.
+    pub(crate) fn touch(&mut self, kind: &str, fingers: &[[f64; 2]]) {
+        let point = |(id, [x, y]): (usize, &[f64; 2])| json!({ "x": x, "y": y, "id": id });
+        let points: Vec<Value> = fingers.iter().enumerate().map(point).collect();
+        self.call("Input.dispatchTouchEvent", json!({ "type": kind, "touchPoints": points }));
+    }
+
     /// What the tab shows, as a PNG file.
     pub(crate) fn screenshot(&mut self) -> Vec<u8> {
         let answer = self.call("Page.captureScreenshot", json!({ "format": "png" }));
