@@ -26,8 +26,6 @@ let frame = null;
 let owed = 0;
 let scheduled = false;
 let range = null;
-/** The field of the last frame. */
-let lastField;
 
 function plane() {
   const { axis, share, flip } = panel.cut();
@@ -98,17 +96,6 @@ function choose(key) {
   send({ do: "colour", by: key });
 }
 
-/** One field is computed for all: pages that show a field follow whoever chose the last one. */
-function follow(field) {
-  if (field === lastField) return;
-  lastField = field;
-  const computed = picture.scene.colours.some((c) => c.key === colour && c.computed);
-  if (field && computed && field !== colour) {
-    byId("colour").value = field;
-    show(field);
-  }
-}
-
 function show(key) {
   colour = key;
   legend.replaceChildren();
@@ -147,7 +134,6 @@ const send = connect({
       fit(camera, ...picture.bounds());
     }
     frame = null;
-    lastField = undefined;
     owed = 0;
     choose(panel.showScene(message.header));
   },
@@ -155,7 +141,6 @@ const send = connect({
     if (!picture?.scene) return;
     frame = message;
     owed++;
-    follow(message.header.field?.key);
     takeFrame();
     panel.showFrame(message.header, you);
     document.body.dataset.step = message.header.step;

@@ -4,7 +4,7 @@
 //! that it has not seen. So a slow client skips frames, and nothing grows for its sake.
 
 use crate::command::{self, Command};
-use crate::hub::Event;
+use crate::hub::{Event, Frames};
 use crate::server::{Shared, ended};
 use axum::body::Bytes;
 use axum::extract::ws::{CloseFrame, Message, WebSocket, close_code};
@@ -48,7 +48,7 @@ pub(crate) async fn talk(socket: WebSocket, number: u32, shared: Arc<Shared>) {
 async fn write(
     mut sink: SplitSink<WebSocket, Message>,
     number: u32,
-    mut frames: watch::Receiver<Bytes>,
+    mut frames: watch::Receiver<Frames>,
     room: &Semaphore,
     mut answers: mpsc::Receiver<String>,
     shared: &Shared,
@@ -72,7 +72,7 @@ async fn write(
             }
             Some(answer) = answers.recv() => Message::Text(answer.into()),
             _ = pulse.tick() => Message::Ping(Bytes::new()),
-            frame = newest(&mut frames, room) => match frame {
+            frame = newest(&mut frames, number, room) => match frame {
                 Some(frame) => Message::Binary(frame),
                 None => return,
             },
@@ -84,12 +84,18 @@ async fn write(
 }
 
 /// The newest frame that the client has not seen, once it has room; `None` when there will be no more.
-async fn newest(frames: &mut watch::Receiver<Bytes>, room: &Semaphore) -> Option<Bytes> {
+async fn newest(frames: &mut watch::Receiver<Frames>, number: u32, room: &Semaphore) -> Option<Bytes> {
     // The place is given back when this wait is broken off, and taken for good when a frame goes out.
     let place = room.acquire().await.ok()?;
-    frames.changed().await.ok()?;
-    place.forget();
-    Some(frames.borrow_and_update().clone())
+    loop {
+        frames.changed().await.ok()?;
+        // Those that were made before the hub knew of this client have none for it.
+        let frame = frames.borrow_and_update().get(&number).cloned();
+        if frame.is_some() {
+            place.forget();
+            return frame;
+        }
+    }
 }
 
 async fn read(

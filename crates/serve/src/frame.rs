@@ -3,12 +3,13 @@
 //! | array | type | what |
 //! |---|---|---|
 //! | `positions` | f32 | positions of surface nodes in m, [node][axis] |
-//! | `values` | f32 | the field that is watched, one per surface node; missing without a field |
+//! | `values` | f32 | the field that this client watches, one per surface node; missing without one |
 
 use crate::colours::key;
 use crate::message::{Array, encode};
 use crate::surface::Surface;
 use serde_json::{Map, Value, json};
+use souple_simulation::ElementField;
 use souple_simulation::session::{Sample, Snapshot};
 
 /// What a frame says beside its snapshot.
@@ -24,17 +25,18 @@ pub struct Beside {
     pub speed: Option<f64>,
 }
 
-/// Encodes a frame.
-pub fn frame_message(surface: &Surface, snapshot: &Snapshot, beside: &Beside) -> Vec<u8> {
+/// Encodes a frame for those that watch a field, or none.
+pub fn frame_message(surface: &Surface, snapshot: &Snapshot, field: Option<ElementField>, beside: &Beside) -> Vec<u8> {
     let positions: Vec<f32> = surface.nodes.iter().flat_map(|&n| snapshot.positions[n as usize]).collect();
     let mut values = None;
-    let mut field = Value::Null;
-    if let Some((kind, of_elements)) = &snapshot.field
+    let mut field_header = Value::Null;
+    if let Some(field) = field
+        && let Some(of_elements) = snapshot.field(field)
         && of_elements.len() == surface.element_count
     {
         let at_nodes = surface.at_nodes(of_elements);
         let [low, high] = range(&at_nodes);
-        field = json!({ "key": key(*kind), "low": low, "high": high });
+        field_header = json!({ "key": key(field), "low": low, "high": high });
         values = Some(at_nodes);
     }
     let hand = |(number, pull): &(u32, souple_simulation::interaction::PullState)| json!({ "hand": number, "point": pull.point, "target": pull.target, "force": pull.force });
@@ -56,7 +58,7 @@ pub fn frame_message(surface: &Surface, snapshot: &Snapshot, beside: &Beside) ->
         ("gravity", json!(controls.map(|c| c.gravity))),
         ("damping", json!(controls.map(|c| c.velocity_damping))),
         ("time_step", json!(controls.map(|c| c.step))),
-        ("field", field),
+        ("field", field_header),
         ("inverted", json!(snapshot.inverted.len())),
         ("error", json!(snapshot.error)),
         ("warning", json!(snapshot.warnings.last())),

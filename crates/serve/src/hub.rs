@@ -1,4 +1,4 @@
-//! The thread that owns the session: commands of all clients in, the newest frame for all of them out.
+//! The thread that owns the session: commands of all clients in, the newest frame for each of them out.
 //!
 //! Frames are made at most [`RATE`] times a second, and only while somebody looks. Springs that are dragged are passed on
 //! once per snapshot, so that a hand that moves faster than the simulation steps leaves no queue behind.
@@ -42,14 +42,18 @@ struct Client {
     pull: Option<Pull>,
     /// The spring has moved since the session was told.
     moved: bool,
+    watches: Option<ElementField>,
 }
+
+/// The newest frame of each client, by its number; those that watch the same have the same bytes.
+pub(crate) type Frames = BTreeMap<u32, Bytes>;
 
 /// The hub.
 pub(crate) struct Hub {
     pub(crate) session: Session,
     pub(crate) surface: Arc<Surface>,
     pub(crate) events: Receiver<Event>,
-    pub(crate) frames: watch::Sender<Bytes>,
+    pub(crate) frames: watch::Sender<Frames>,
     pub(crate) speed: Option<f64>,
 }
 
@@ -60,7 +64,6 @@ impl Hub {
             hub: self,
             clients: BTreeMap::new(),
             watched: Vec::new(),
-            session_watches: None,
             fresh: false,
             told: false,
             framed: None,
@@ -74,9 +77,8 @@ impl Hub {
 struct Work {
     hub: Hub,
     clients: BTreeMap<u32, Client>,
-    /// Fields that clients watch, the last one that was chosen last.
-    watched: Vec<(u32, ElementField)>,
-    session_watches: Option<ElementField>,
+    /// Fields that the session was asked for.
+    watched: Vec<ElementField>,
     /// There is a snapshot that no frame shows.
     fresh: bool,
     /// The session was told of a moved spring, and no snapshot has come since.
@@ -131,10 +133,10 @@ impl Work {
     }
 
     fn leave(&mut self, client: u32) {
-        self.watch(client, None);
         if self.clients.remove(&client).is_some_and(|c| c.pull.is_some()) {
             self.change(Change::Release { number: client });
         }
+        self.watch();
         // The others are told how many are left.
         self.fresh = true;
     }
@@ -158,8 +160,12 @@ impl Work {
             Command::Damping { value } => self.change(Change::VelocityDamping(value)),
             Command::TimeStep { value } => self.change(Change::TimeStep(value)),
             Command::Colour { by } => {
-                let field = crate::command::choice(&by).and_then(|choice| choice.field);
-                self.watch(number, field);
+                if let Some(client) = self.clients.get_mut(&number) {
+                    client.watches = crate::command::choice(&by).and_then(|choice| choice.field);
+                }
+                self.watch();
+                // What is wanted may be there already.
+                self.fresh = true;
             }
             Command::PullBegin { nodes, weights, target, stiffness } => {
                 let nodes = nodes.iter().map(|&n| self.hub.surface.nodes[n as usize]);
@@ -203,13 +209,12 @@ impl Work {
         }
     }
 
-    /// One field is computed for all: the one that was chosen last by somebody who still looks at it.
-    fn watch(&mut self, number: u32, field: Option<ElementField>) {
-        self.watched.retain(|w| w.0 != number);
-        self.watched.extend(field.map(|f| (number, f)));
-        let wanted = self.watched.last().map(|w| w.1);
-        if wanted != self.session_watches {
-            self.session_watches = wanted;
+    /// Asks the session for the fields that clients watch, each once.
+    fn watch(&mut self) {
+        let anybody = |field: &ElementField| self.clients.values().any(|client| client.watches == Some(*field));
+        let wanted: Vec<ElementField> = ElementField::ALL.into_iter().filter(anybody).collect();
+        if wanted != self.watched {
+            self.watched.clone_from(&wanted);
             self.hub.session.send(session::Command::Watch(wanted));
         }
     }
@@ -248,8 +253,18 @@ impl Work {
             clients: self.clients.len(),
             speed: self.hub.speed,
         };
-        let bytes = frame_message(&self.hub.surface, snapshot, &beside);
-        self.hub.frames.send_replace(Bytes::from(bytes));
+        let mut made: Vec<(Option<ElementField>, Bytes)> = Vec::new();
+        let mut frames = Frames::new();
+        for (&number, client) in &self.clients {
+            let known = made.iter().find(|(field, _)| *field == client.watches).map(|(_, bytes)| bytes.clone());
+            let bytes = known.unwrap_or_else(|| {
+                let bytes = Bytes::from(frame_message(&self.hub.surface, snapshot, client.watches, &beside));
+                made.push((client.watches, bytes.clone()));
+                bytes
+            });
+            frames.insert(number, bytes);
+        }
+        self.hub.frames.send_replace(frames);
         (self.fresh, self.framed) = (false, Some(now));
     }
 }

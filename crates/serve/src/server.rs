@@ -9,7 +9,7 @@
 use crate::client::talk;
 use crate::command::LONGEST;
 use crate::gate::judge;
-use crate::hub::{Event, Hub};
+use crate::hub::{Event, Frames, Hub};
 use crate::page::{FILES, HEADERS};
 use crate::scene_message::scene_message;
 use crate::surface::Surface;
@@ -83,7 +83,7 @@ pub enum ServeError {
 /// What all connections share.
 pub(crate) struct Shared {
     pub(crate) hub: Sender<Event>,
-    pub(crate) frames: watch::Sender<Bytes>,
+    pub(crate) frames: watch::Sender<Frames>,
     pub(crate) stop: watch::Sender<bool>,
     pub(crate) scene: Bytes,
     pub(crate) surface: Arc<Surface>,
@@ -117,7 +117,7 @@ impl Server {
         let surface = Arc::new(Surface::of(&simulation));
         let scene = Bytes::from(scene_message(&simulation, &surface));
         let (hub, events) = channel();
-        let (frames, _) = watch::channel(Bytes::new());
+        let (frames, _) = watch::channel(Frames::new());
         let wake = hub.clone();
         // The hub ends after its session, so nobody is woken in vain but at the very end.
         let wake = Box::new(move || drop(wake.send(Event::Woken)));

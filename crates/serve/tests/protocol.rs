@@ -72,6 +72,33 @@ fn values_come_with_positions() {
     assert!(values.iter().all(|&v| f64::from(v) >= low && f64::from(v) <= high) && low < high, "{low} {high}");
 }
 
+/// Each client gets the field that it chose, also while time stands still and whatever others choose, and none when it
+/// chose none.
+#[test]
+fn each_client_chooses_its_field() {
+    let server = serve(ServerOptions::default());
+    let mut clients = [connect(&server).unwrap(), connect(&server).unwrap(), connect(&server).unwrap()];
+    clients[0].send(json!({ "do": "colour", "by": "energy-density" }));
+    clients[1].send(json!({ "do": "colour", "by": "von-mises" }));
+    clients[2].send(json!({ "do": "colour", "by": "displacement" }));
+    clients[0].send(json!({ "do": "step", "count": 2 }));
+    let keys = [json!("energy-density"), json!("von-mises"), serde_json::Value::Null];
+    let mut values = Vec::new();
+    for (client, key) in clients.iter_mut().zip(&keys) {
+        let frame = client.frame_where(|h| h["step"] == 2 && h["playing"] == false && h["field"]["key"] == *key);
+        values.push(frame.f32("values"));
+    }
+    assert!(values[0].is_some() && values[1].is_some() && values[0] != values[1]);
+    assert!(values[2].is_none());
+    // One joins another, and the third goes on alone with what the first had.
+    clients[0].send(json!({ "do": "colour", "by": "von-mises" }));
+    let same = clients[0].frame_where(|h| h["field"]["key"] == "von-mises");
+    assert_eq!(same.f32("values"), values[1]);
+    clients[2].send(json!({ "do": "colour", "by": "energy-density" }));
+    let taken = clients[2].frame_where(|h| h["field"]["key"] == "energy-density");
+    assert_eq!(taken.f32("values"), values[0]);
+}
+
 /// While it plays, time passes; after `pause` has been seen, it does not; one `step` makes one step.
 #[test]
 fn pause_stops_time() {

@@ -353,9 +353,7 @@ fn looks_are_chosen() {
     pictures.push(window.render().unwrap().into_raw());
     let field = souple_simulation::ElementField::VonMises;
     window.state_mut().running_mut().unwrap().look.colour_by = souple_viewer::colouring::ColourBy::Field(field);
-    until(&mut window, "the field", |app| {
-        app.running().is_some_and(|r| r.snapshot.field.as_ref().is_some_and(|f| f.0 == field))
-    });
+    until(&mut window, "the field", |app| app.running().is_some_and(|r| r.snapshot.field(field).is_some()));
     pictures.push(window.render().unwrap().into_raw());
     for (k, a) in pictures.iter().enumerate() {
         for b in &pictures[..k] {

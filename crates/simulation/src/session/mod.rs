@@ -46,8 +46,8 @@ pub enum Command {
     Reset,
     /// To the state after this step, with the changes that led there. What came after is kept until a step is made.
     Seek(u64),
-    /// Which field snapshots carry.
-    Watch(Option<ElementField>),
+    /// Which fields snapshots carry.
+    Watch(Vec<ElementField>),
     /// Writes a series for ParaView into this folder from now on, a frame whenever this much time in s has passed; `None`
     /// ends it.
     Record(Option<(PathBuf, f64)>),
@@ -89,8 +89,8 @@ pub struct Snapshot {
     pub time: f64,
     /// Positions in m, [node][axis].
     pub positions: Vec<[f32; 3]>,
-    /// The field that is watched: one value per element.
-    pub field: Option<(ElementField, Vec<f32>)>,
+    /// The fields that are watched: one value per element each.
+    pub fields: Vec<(ElementField, Vec<f32>)>,
     /// Springs in hands by number.
     pub pulls: Vec<(u32, PullState)>,
     /// Force of the bodies on the tool in N.
@@ -113,6 +113,13 @@ pub struct Snapshot {
     pub history: HistoryRange,
     /// Frames of the running recording.
     pub recorded: Option<usize>,
+}
+
+impl Snapshot {
+    /// The values of a field, one per element; `None` when it is not carried.
+    pub fn field(&self, field: ElementField) -> Option<&[f32]> {
+        self.fields.iter().find(|(which, _)| *which == field).map(|(_, values)| values.as_slice())
+    }
 }
 
 /// How a session begins.

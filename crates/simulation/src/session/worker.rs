@@ -42,7 +42,7 @@ pub(super) struct Worker {
     speed: Option<f64>,
     /// When simulated and real time were last made equal.
     clock: (Instant, f64),
-    watched: Option<ElementField>,
+    watched: Vec<ElementField>,
     recorder: Option<Recorder>,
     error: Option<String>,
     warnings: Vec<String>,
@@ -79,7 +79,7 @@ impl Worker {
             playing: options.playing,
             steps_left: None,
             speed: options.speed,
-            watched: None,
+            watched: Vec::new(),
             recorder: None,
             error: None,
             warnings,
@@ -177,7 +177,7 @@ impl Worker {
                 self.rewound = true;
                 self.note_failure(result);
             }
-            Command::Watch(field) => self.watched = field,
+            Command::Watch(fields) => self.watched = fields,
             Command::Record(None) => self.recorder = None,
             Command::Record(Some((folder, every))) => match Recorder::start(folder, every, &mut self.simulation) {
                 Ok(recorder) => self.recorder = Some(recorder),
@@ -307,16 +307,18 @@ impl Worker {
         out.time = simulation.time();
         out.positions.clear();
         out.positions.extend(simulation.positions().into_iter().map(|p| p.map(|x| x as f32)));
-        out.field = None;
-        if let Some(field) = self.watched {
-            match simulation.element_field(field) {
-                Ok(values) => out.field = Some((field, values.into_iter().map(|v| v as f32).collect())),
-                Err(error) => {
-                    self.error = Some(error.message);
-                    self.watched = None;
-                }
+        out.fields.clear();
+        // What cannot be had once is not asked for again.
+        self.watched.retain(|&field| match simulation.element_field(field) {
+            Ok(values) => {
+                out.fields.push((field, values.into_iter().map(|v| v as f32).collect()));
+                true
             }
-        }
+            Err(error) => {
+                self.error = Some(error.message);
+                false
+            }
+        });
         let numbers: Vec<u32> = simulation.controls().pulls.keys().copied().collect();
         out.pulls = numbers.into_iter().filter_map(|n| Some((n, simulation.pull(n)?))).collect();
         out.tool_force = simulation.tool_force();

@@ -232,9 +232,15 @@ impl Running {
             _ => None,
         };
         if wanted != self.watched {
-            self.session.send(Command::Watch(wanted));
+            self.session.send(Command::Watch(wanted.into_iter().collect()));
             self.watched = wanted;
         }
+    }
+
+    /// The values that colours show, one per element; none when they show no field, or it has not come yet.
+    pub(crate) fn field(&self) -> &[f32] {
+        let ColourBy::Field(field) = self.look.colour_by else { return &[] };
+        self.snapshot.field(field).unwrap_or(&[])
     }
 
     /// The nodes that are held now: those of the scene that were not let go, and those that were held by hand.

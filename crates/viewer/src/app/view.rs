@@ -124,7 +124,7 @@ fn load(running: &mut Running, canvas: &mut Canvas) {
         running.apart = Some(Faceted::apart(&running.model));
     }
     let positions = &running.snapshot.positions;
-    let field = running.snapshot.field.as_ref().map_or(&[][..], |f| &f.1);
+    let field = running.field();
     let colours = colours(&running.model, running.look.colour_by, positions, field, running.look.scale);
     let faceted = match &running.apart {
         Some(apart) if running.look.element_size < 0.999 => apart,
@@ -334,7 +334,7 @@ fn rest_tool(running: &mut Running) {
 /// What is under the pointer, in words.
 fn probe(running: &Running, met: Met) -> String {
     let element = running.model.skin.owners[met.triangle];
-    let field = running.snapshot.field.as_ref().map_or(&[][..], |f| &f.1);
+    let field = running.field();
     let by = running.look.colour_by;
     let value = match numbers(&running.model, by, &running.snapshot.positions, field) {
         Some(Numbers::Elements(values)) => values.get(element as usize).copied(),
