@@ -1,7 +1,10 @@
-#![expect(
-    unsafe_code,
-    reason = "machine code runs outside the language, and a function compiled for an instruction set may be called only \
+#![cfg_attr(
+    target_arch = "x86_64",
+    expect(
+        unsafe_code,
+        reason = "machine code runs outside the language, and a function compiled for an instruction set may be called only \
               where that set was found"
+    )
 )]
 //! Programs on the processor's widest vectors.
 //!

@@ -10,7 +10,7 @@
 use crate::system::System;
 use souple_solver::{Combination, Failure, LinearOperator, LinearReport, Projector, SecondOrder};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Instant;
+use web_time::Instant;
 
 /// Time spent since it was last asked for, in ms.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

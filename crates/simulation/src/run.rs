@@ -28,8 +28,8 @@ use souple_solver::{Elimination, LanczosOptions, Method, NewtonOptions, StepBoun
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow;
 use std::sync::{Arc, OnceLock};
-use std::time::Instant;
 use thiserror::Error;
+use web_time::Instant;
 
 /// Where and how a simulation runs.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -336,3 +336,36 @@ fn recordings_are_series() {
     assert!(std::fs::read(folder.join("checkpoint.bin")).unwrap() == checkpoint);
     std::fs::remove_dir_all(folder).unwrap();
 }
+
+/// Without a thread nothing happens but where `work` is called: what was asked for, and one step at least. The steps lead
+/// to the same state as those of a thread, to the last bit, and a time that was asked for is reached and not passed.
+#[test]
+fn a_session_without_a_thread_makes_the_same_steps() {
+    let (mut threaded, woken) = session(false);
+    let options = SessionOptions { playing: false, speed: None, ..SessionOptions::default() };
+    let simulation = bar("gravity = [0.0, -9.81, 0.0]");
+    let mut here = Session::start_here(simulation, Vec::new(), options, Box::new(|| {}));
+    let ask = |session: &Session| {
+        session.send(Command::Change(pull(&bar(""), 200.0)));
+        session.send(Command::Step(5));
+    };
+    ask(&threaded);
+    ask(&here);
+    assert_eq!(here.snapshot().number, 0);
+    for step in 1..=5 {
+        let wait = here.work(Duration::ZERO);
+        assert_eq!((here.snapshot().step, here.snapshot().playing), (step, step < 5));
+        assert_eq!(wait, (step < 5).then_some(Duration::ZERO));
+    }
+    assert_eq!((here.work(Duration::from_secs(60)), here.snapshot().step), (None, 5));
+    for session in [&threaded, &here] {
+        session.send(Command::Until(0.2));
+    }
+    assert_eq!(here.work(Duration::from_secs(60)), None);
+    assert!((here.snapshot().time - 0.2).abs() < 1e-9);
+    until(&mut threaded, &woken, |step, playing| step == 20 && !playing);
+    assert!(here.state().unwrap() == threaded.state().unwrap(), "another trajectory");
+    // A time that has passed is reached already.
+    here.send(Command::Until(0.1));
+    assert_eq!((here.work(Duration::ZERO), here.snapshot().step, here.snapshot().playing), (None, 20, false));
+}

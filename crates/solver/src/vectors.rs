@@ -20,7 +20,10 @@ pub(crate) fn widest<R>(work: impl Widest<Output = R>) -> R {
             self.0.run::<true>()
         }
     }
-    // `Scalar` has no multiply–add of its own, and the one in software is far slower than two roundings.
+    // Pages and `Scalar` have no multiply–add of their own, and the one in software is far slower than two roundings.
+    if cfg!(target_arch = "wasm32") {
+        return work.run::<false>();
+    }
     match Arch::new() {
         Arch::Scalar => work.run::<false>(),
         #[allow(unreachable_patterns, reason = "some targets know no other kind")]

@@ -11,7 +11,7 @@ use egui_kittest::{Harness, Node};
 use egui_wgpu::RenderState;
 use souple_simulation::RunOptions;
 use souple_simulation::session::{SessionOptions, replay};
-use souple_viewer::app::{App, Stage};
+use souple_viewer::app::{App, Place, Stage};
 use souple_viewer::draw::device::Pixels;
 use souple_viewer::draw::ink::Ink;
 use souple_viewer::scene_file;
@@ -130,13 +130,36 @@ fn grab_and_pull() {
     window.get_by_label("Pause").click();
     until(&mut window, "the pause", |app| app.running().is_some_and(|r| !r.snapshot.playing));
 
-    let (checkpoint, script) = window.state().running().unwrap().session.state().unwrap();
+    let (checkpoint, script) = window.state_mut().running_mut().unwrap().session.state().unwrap();
     assert!(script.len() > 2);
     let options = RunOptions { threads: 1, ..RunOptions::default() };
     let (mut headless, _) = scene_file::load(&path, &[], &options).unwrap();
     headless.run_on();
     replay(&mut headless, &script, step(window.state())).unwrap();
     assert!(headless.checkpoint() == checkpoint, "another trajectory");
+}
+
+/// Where there are no threads, a scene is read and runs between the pictures, and obeys as everywhere.
+#[test]
+fn a_scene_runs_between_pictures() {
+    let path = scene("between", &BAR.replace("GRAVITY", "gravity = [0.0, -9.81, 0.0]"));
+    let Some(mut window) = window("a_scene_runs_between_pictures", None, true) else { return };
+    window.state_mut().place = Place::Pictures;
+    window.state_mut().open(path);
+    // One picture begins the scene, and each that follows shows what was computed after the one before.
+    for _ in 0..3 {
+        window.step();
+    }
+    let begun = step(window.state());
+    window.step();
+    assert!(step(window.state()) > begun);
+    window.get_by_label("Pause").click();
+    until(&mut window, "the pause", |app| app.running().is_some_and(|r| !r.snapshot.playing));
+    let then = step(window.state());
+    window.step();
+    assert_eq!(step(window.state()), then);
+    window.get_by_label("Step").click();
+    until(&mut window, "a step", |app| step(app) == then + 1);
 }
 
 /// Paused, time stands still however often the window is drawn; a step makes exactly one.

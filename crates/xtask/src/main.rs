@@ -2,16 +2,17 @@
 //!
 //! `cargo xtask test` runs every check there is, in stages ([`stages::ALL`]), and ends with a table that also names what
 //! was skipped and why. It is the only command that a change has to pass. `cargo xtask bless` rewrites golden files,
-//! `cargo xtask pictures` draws the pictures of the documents.
+//! `cargo xtask pictures` draws the pictures of the documents, `cargo xtask web` builds the window as a page.
 //!
 //! What it is not: a build system. It calls cargo and reads files; nothing that it does is needed to build or use
-//! Souple.
+//! Souple, but for the page, which takes more than one call of cargo.
 
 mod checks;
 mod pictures;
 mod rust_source;
 mod scratch;
 mod stages;
+mod web;
 mod workspace;
 
 use stages::{Outcome, Stage};
@@ -27,6 +28,7 @@ Checks and chores of this repository.
     cargo xtask test --list            what the stages are
     cargo xtask bless                  run the tests, rewriting golden files (then read the difference!)
     cargo xtask pictures               draw the pictures of the documents again
+    cargo xtask web [--output FOLDER]  build the window as a page for browsers (target/web/page)
 ";
 
 fn main() -> ExitCode {
@@ -45,6 +47,7 @@ fn main() -> ExitCode {
         },
         ["bless"] => with_workspace(bless),
         ["pictures"] => with_workspace(pictures::run),
+        ["web", rest @ ..] => with_workspace(|workspace| web::run(workspace, rest)),
         [] | ["help" | "--help" | "-h"] => {
             print!("{HELP}");
             ExitCode::SUCCESS

@@ -1,4 +1,5 @@
-//! A simulation on a thread of its own, for whoever looks at it and touches it.
+//! A simulation that goes on while somebody looks at it and touches it: on a thread of its own, or, where there are no
+//! threads (pages of a browser), between two pictures.
 //!
 //! ```text
 //! window ── Command ──► channel ──► Simulation, step after step ──► Snapshot ──► three buffers ──► window
@@ -7,8 +8,9 @@
 //!                                      Script ──► replay: the same trajectory without a window, to the last bit
 //! ```
 //!
-//! Drawing never waits for a step, and a step never waits for drawing: the two swap buffers ([`exchange`]). Time on the
-//! wall only decides when a step is made, never what it computes.
+//! With a thread, drawing never waits for a step, and a step never waits for drawing: the two swap buffers ([`exchange`]).
+//! Without, whoever draws gives the simulation some time after each picture ([`Session::work`]). Time on the wall only
+//! decides when a step is made, never what it computes.
 
 mod exchange;
 mod history;
@@ -28,6 +30,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 /// What a session is asked to do.
 #[derive(Debug)]
@@ -38,6 +41,8 @@ pub enum Command {
     Pause,
     /// This many steps, then a pause.
     Step(u64),
+    /// Steps up to this simulated time in s (to the nearest step), then a pause.
+    Until(f64),
     /// Simulated seconds per second; `None` is as fast as it goes.
     Speed(Option<f64>),
     /// A change to the simulation, which the script keeps.
@@ -139,12 +144,20 @@ impl Default for SessionOptions {
     }
 }
 
-/// A simulation that runs on its own thread; dropping this ends it.
+/// A simulation that goes on; dropping this ends it.
 pub struct Session {
     commands: Option<Sender<Command>>,
     samples: Receiver<Sample>,
     snapshots: Reader<Snapshot>,
-    thread: Option<JoinHandle<()>>,
+    place: Place,
+}
+
+/// Where steps are made.
+enum Place {
+    /// On a thread of their own, until it is joined.
+    Thread(Option<JoinHandle<()>>),
+    /// Where [`Session::work`] is called.
+    Here(Box<worker::Worker>),
 }
 
 impl Session {
@@ -153,20 +166,54 @@ impl Session {
     /// # Errors
     /// When the machine gives no thread, in its words.
     pub fn start(
-        mut simulation: Simulation,
+        simulation: Simulation,
         warnings: Vec<String>,
         options: SessionOptions,
         wake: Box<dyn Fn() + Send>,
     ) -> Result<Session, String> {
+        let (mut session, worker) = Session::without_place(simulation, warnings, options, wake);
+        let thread = std::thread::Builder::new().name("simulation".into()).spawn(move || worker.run());
+        let thread = thread.map_err(|e| format!("no thread for the simulation: {e}"))?;
+        session.place = Place::Thread(Some(thread));
+        Ok(session)
+    }
+
+    /// The same without a thread: nothing happens but in [`Session::work`], and `wake` is called from there.
+    pub fn start_here(
+        simulation: Simulation,
+        warnings: Vec<String>,
+        options: SessionOptions,
+        wake: Box<dyn Fn() + Send>,
+    ) -> Session {
+        let (mut session, worker) = Session::without_place(simulation, warnings, options, wake);
+        session.place = Place::Here(Box::new(worker));
+        session
+    }
+
+    fn without_place(
+        mut simulation: Simulation,
+        warnings: Vec<String>,
+        options: SessionOptions,
+        wake: Box<dyn Fn() + Send>,
+    ) -> (Session, worker::Worker) {
         let (commands, inbox) = channel();
         let (sampled, samples) = channel();
         let (writer, snapshots) = exchange();
         simulation.watch();
         simulation.run_on();
         let worker = worker::Worker::new(simulation, warnings, options, inbox, sampled, writer, wake);
-        let thread = std::thread::Builder::new().name("simulation".into()).spawn(move || worker.run());
-        let thread = thread.map_err(|e| format!("no thread for the simulation: {e}"))?;
-        Ok(Session { commands: Some(commands), samples, snapshots, thread: Some(thread) })
+        let session = Session { commands: Some(commands), samples, snapshots, place: Place::Thread(None) };
+        (session, worker)
+    }
+
+    /// Does what is due, where there is no thread for it: everything that was asked for, and steps until `budget` has
+    /// passed, at least one if one is due. Gives how long it is until the next step; `None` when none follows, and where
+    /// a thread makes the steps.
+    pub fn work(&mut self, budget: Duration) -> Option<Duration> {
+        match &mut self.place {
+            Place::Here(worker) => worker.work(budget),
+            Place::Thread(_) => None,
+        }
     }
 
     /// Asks for something; it is done before the next step.
@@ -190,9 +237,12 @@ impl Session {
     /// The state as a checkpoint and the script that led to it, after everything that was sent before.
     ///
     /// `None` when the thread is gone.
-    pub fn state(&self) -> Option<(Vec<u8>, Script)> {
+    pub fn state(&mut self) -> Option<(Vec<u8>, Script)> {
         let (sender, receiver) = channel();
         self.send(Command::Give(sender));
+        if let Place::Here(worker) = &mut self.place {
+            worker.listen();
+        }
         receiver.recv().ok()
     }
 }
@@ -201,7 +251,9 @@ impl Drop for Session {
     fn drop(&mut self) {
         // Without senders the thread ends after its step.
         self.commands = None;
-        if let Some(thread) = self.thread.take() {
+        if let Place::Thread(thread) = &mut self.place
+            && let Some(thread) = thread.take()
+        {
             // A panic there has been reported by the thread itself.
             let _ = thread.join();
         }

@@ -1,4 +1,4 @@
-//! The loop of the simulation's thread: commands, a step when it is due, a snapshot.
+//! What makes a session's steps: commands, a step when it is due, a snapshot; in a loop on a thread, or by turns.
 
 use super::exchange::Writer;
 use super::history::{Entry, History};
@@ -10,7 +10,8 @@ use crate::interaction::Controls;
 use crate::run::{RunError, Simulation};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use web_time::Instant;
 
 /// While the reader does not take snapshots, one is still offered this often.
 const UNREAD: Duration = Duration::from_millis(30);
@@ -19,11 +20,24 @@ const PATIENCE: Duration = Duration::from_millis(250);
 /// Warnings that are kept.
 const WARNINGS: usize = 50;
 
-/// Why the loop goes on.
-enum Next {
+/// What is to be done now.
+enum Due {
     Command(Command),
     Step,
+    /// A step, but not before this has passed.
+    Later(Duration),
+    /// Nothing without a command.
+    Nothing,
+    /// Nobody can ask for anything any more.
     End,
+}
+
+/// Where steps that were asked for end.
+enum Goal {
+    /// After this many more.
+    Steps(u64),
+    /// At this time in s.
+    Time(f64),
 }
 
 pub(super) struct Worker {
@@ -37,8 +51,8 @@ pub(super) struct Worker {
     /// Whether the state is one of the past, and what came after it is still known.
     rewound: bool,
     playing: bool,
-    /// Steps to make before a pause.
-    steps_left: Option<u64>,
+    /// Where a pause follows, if anywhere.
+    goal: Option<Goal>,
     speed: Option<f64>,
     /// When simulated and real time were last made equal.
     clock: (Instant, f64),
@@ -77,7 +91,7 @@ impl Worker {
             script: Script::new(),
             rewound: false,
             playing: options.playing,
-            steps_left: None,
+            goal: None,
             speed: options.speed,
             watched: Vec::new(),
             recorder: None,
@@ -95,19 +109,60 @@ impl Worker {
         self.publish();
         loop {
             match self.next() {
-                Next::End => return,
-                Next::Command(command) => {
+                Due::End => return,
+                Due::Command(command) => {
                     self.obey(command);
                     self.publish();
                 }
-                Next::Step => {
+                Due::Step => {
                     self.step();
                     // Somebody who does not look needs no new picture, but whoever begins to look needs a recent one.
                     if self.snapshots.was_taken() || self.published.elapsed() > UNREAD || !self.moving() {
                         self.publish();
                     }
                 }
+                // `next` has waited for these.
+                Due::Later(_) | Due::Nothing => {}
             }
+        }
+    }
+
+    /// Does what is due now: every command, and steps, at least one, until `budget` has passed; what there is to see then is
+    /// offered once. Gives how long it is until the next step, if one follows.
+    pub(super) fn work(&mut self, budget: Duration) -> Option<Duration> {
+        let began = Instant::now();
+        let mut stepped = false;
+        let mut news = self.offered == 0;
+        let wait = loop {
+            match self.due() {
+                Due::Command(command) => {
+                    self.obey(command);
+                    news = true;
+                }
+                Due::Step if !stepped || began.elapsed() < budget => {
+                    self.step();
+                    stepped = true;
+                }
+                Due::Step => break Some(Duration::ZERO),
+                Due::Later(wait) => break Some(wait),
+                Due::Nothing | Due::End => break None,
+            }
+        };
+        if stepped || news {
+            self.publish();
+        }
+        wait
+    }
+
+    /// Does what was asked for, and no step.
+    pub(super) fn listen(&mut self) {
+        let mut news = false;
+        while let Ok(command) = self.inbox.try_recv() {
+            self.obey(command);
+            news = true;
+        }
+        if news {
+            self.publish();
         }
     }
 
@@ -115,33 +170,42 @@ impl Worker {
         self.playing && self.simulation.ending.is_none()
     }
 
-    /// Waits for a command, or for the time of the next step.
-    fn next(&mut self) -> Next {
-        if !self.moving() {
-            self.stepped = None;
-            return self.inbox.recv().map_or(Next::End, Next::Command);
+    /// What is to be done; waits for a command, or for the time of the next step.
+    fn next(&mut self) -> Due {
+        match self.due() {
+            Due::Nothing => self.inbox.recv().map_or(Due::End, Due::Command),
+            Due::Later(wait) => match self.inbox.recv_timeout(wait) {
+                Ok(command) => Due::Command(command),
+                Err(RecvTimeoutError::Timeout) => Due::Step,
+                Err(RecvTimeoutError::Disconnected) => Due::End,
+            },
+            now => now,
         }
+    }
+
+    /// What is to be done, without waiting.
+    fn due(&mut self) -> Due {
         match self.inbox.try_recv() {
-            Ok(command) => return Next::Command(command),
-            Err(TryRecvError::Disconnected) => return Next::End,
+            Ok(command) => return Due::Command(command),
+            Err(TryRecvError::Disconnected) => return Due::End,
             Err(TryRecvError::Empty) => {}
         }
-        // Steps that were asked for by number are not paced.
-        let (Some(speed), None) = (self.speed, self.steps_left) else { return Next::Step };
+        if !self.moving() {
+            self.stepped = None;
+            return Due::Nothing;
+        }
+        // Steps that were asked for by number or time are not paced.
+        let (Some(speed), None) = (self.speed, &self.goal) else { return Due::Step };
         let ahead = (self.simulation.time() - self.clock.1) / speed;
         let due = self.clock.0 + Duration::from_secs_f64(ahead.clamp(0.0, 1e6));
         let now = Instant::now();
-        if due <= now {
-            if now - due > PATIENCE {
-                self.clock = (now, self.simulation.time());
-            }
-            return Next::Step;
+        if due > now {
+            return Due::Later(due - now);
         }
-        match self.inbox.recv_timeout(due - now) {
-            Ok(command) => Next::Command(command),
-            Err(RecvTimeoutError::Timeout) => Next::Step,
-            Err(RecvTimeoutError::Disconnected) => Next::End,
+        if now - due > PATIENCE {
+            self.clock = (now, self.simulation.time());
         }
+        Due::Step
     }
 
     fn obey(&mut self, command: Command) {
@@ -149,7 +213,8 @@ impl Worker {
         match command {
             Command::Play => self.set_playing(None),
             Command::Pause => self.playing = false,
-            Command::Step(count) => self.set_playing(Some(count)),
+            Command::Step(count) => self.set_playing(Some(Goal::Steps(count))),
+            Command::Until(time) => self.set_playing(Some(Goal::Time(time))),
             Command::Speed(speed) => {
                 self.speed = speed.filter(|s| *s > 0.0 && s.is_finite());
                 self.clock = (Instant::now(), self.simulation.time());
@@ -191,10 +256,25 @@ impl Worker {
         }
     }
 
-    fn set_playing(&mut self, steps: Option<u64>) {
-        self.playing = steps != Some(0);
-        self.steps_left = steps;
+    fn set_playing(&mut self, goal: Option<Goal>) {
+        self.goal = goal;
+        self.playing = true;
+        self.pause_at_goal();
         self.clock = (Instant::now(), self.simulation.time());
+    }
+
+    /// Ends what was asked for when it is reached.
+    fn pause_at_goal(&mut self) {
+        let reached = match self.goal {
+            None => false,
+            Some(Goal::Steps(left)) => left == 0,
+            // To the nearest step.
+            Some(Goal::Time(time)) => self.simulation.time() >= time - 0.5 * self.controls.step,
+        };
+        if reached {
+            self.goal = None;
+            self.playing = false;
+        }
     }
 
     fn note_failure(&mut self, result: Result<(), RunError>) {
@@ -269,13 +349,10 @@ impl Worker {
             self.factor = if self.factor > 0.0 { 0.9 * self.factor + 0.1 * factor } else { factor };
         }
         self.stepped = Some((now, time));
-        if let Some(left) = &mut self.steps_left {
+        if let Some(Goal::Steps(left)) = &mut self.goal {
             *left -= 1;
-            if *left == 0 {
-                self.steps_left = None;
-                self.playing = false;
-            }
         }
+        self.pause_at_goal();
         if self.simulation.ending.is_some() {
             self.playing = false;
         }

@@ -3,7 +3,7 @@
 
 use super::{Assembled, System};
 use souple_solver::LinearOperator as _;
-use std::time::Instant;
+use web_time::Instant;
 
 /// What products with the stiffness cost on this machine, in ms.
 pub(crate) struct ProductTimes {

@@ -1,5 +1,5 @@
 //! The window's content: panels around a view of the model. It knows egui and a graphics device, but no window, so that
-//! tests run it as it is.
+//! tests run it as it is, and pages of a browser show it too.
 //!
 //! | file | does |
 //! |---|---|
@@ -27,7 +27,7 @@ use crate::draw::backdrop::Backdrop;
 use crate::draw::device::{DeviceError, Pixels};
 use crate::draw::ink::Ink;
 use crate::draw::renderer::{Renderer, Samples};
-use crate::scene_file;
+use crate::{files, scene_file};
 use egui_wgpu::RenderState;
 use pace::Pace;
 use running::Running;
@@ -66,12 +66,23 @@ pub(crate) struct Canvas {
     ink: Option<Ink>,
 }
 
+/// Where scenes are read and steps are made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// On threads of their own.
+    Threads,
+    /// Between two pictures, where there are no threads: in a page.
+    Pictures,
+}
+
 /// The content of a window.
 pub struct App {
     /// What is shown.
     pub stage: Stage,
     /// When the next picture is due.
     pub pace: Pace,
+    /// Where scenes that are opened from now on are read and run.
+    pub place: Place,
     canvas: Canvas,
     overrides: Vec<String>,
     options: RunOptions,
@@ -91,23 +102,31 @@ impl App {
         let canvas = Canvas { renderer, backdrop: Backdrop::new(state), ink: Ink::new(state) };
         let stage = Stage::Choosing(scenes::Gallery::find());
         let pace = Pace::of(&state.adapter, None);
-        let mut app = App { stage, pace, canvas, overrides, options, session };
+        let place = if cfg!(target_arch = "wasm32") { Place::Pictures } else { Place::Threads };
+        let mut app = App { stage, pace, place, canvas, overrides, options, session };
         if let Some(path) = scene {
             app.open(path);
         }
         app
     }
 
-    /// Begins to read a scene, in the background.
+    /// Begins to read a scene, in the background where there are threads.
     pub fn open(&mut self, path: PathBuf) {
         let (sender, arrival) = channel();
         let (file, overrides, options) = (path.clone(), self.overrides.clone(), self.options.clone());
-        let reader = std::thread::Builder::new().name("scene".into()).spawn(move || {
+        let read = move || {
             // Nobody waits any more when another scene was opened.
             let _ = sender.send(scene_file::load(&file, &overrides, &options));
-        });
+        };
+        let reader = match self.place {
+            Place::Threads => std::thread::Builder::new().name("scene".into()).spawn(read).map(drop),
+            Place::Pictures => {
+                read();
+                Ok(())
+            }
+        };
         self.stage = match reader {
-            Ok(_) => Stage::Loading { path, arrival },
+            Ok(()) => Stage::Loading { path, arrival },
             Err(e) => Stage::Failed { path, message: format!("no thread to read the scene: {e}") },
         };
     }
@@ -152,8 +171,11 @@ impl App {
                 let blocks = running::blocks(&simulation);
                 let (context, pace) = (context.clone(), self.pace.clone());
                 let wake = Box::new(move || pace.next(&context));
-                Session::start(simulation, warnings, self.session.clone(), wake)
-                    .map(|session| Running::new(path.clone(), session, model, regions, blocks))
+                let session = match self.place {
+                    Place::Threads => Session::start(simulation, warnings, self.session.clone(), wake),
+                    Place::Pictures => Ok(Session::start_here(simulation, warnings, self.session.clone(), wake)),
+                };
+                session.map(|session| Running::new(path.clone(), session, model, regions, blocks))
             }
         };
         self.stage = match started {
@@ -193,7 +215,9 @@ impl App {
                     egui::ScrollArea::vertical().show(ui, |ui| {
                         look_panel::ui(running, ui);
                         touch_panel::ui(running, ui);
-                        record_panel::ui(running, ui);
+                        if files::DISK {
+                            record_panel::ui(running, ui);
+                        }
                     });
                 });
                 egui::Panel::left("numbers").default_size(260.0).show(ui, |ui| {
@@ -209,6 +233,15 @@ impl App {
             None => {}
             Some(Wish::Choose) => self.stage = Stage::Choosing(scenes::Gallery::find()),
             Some(Wish::Open(path)) => self.open(path),
+        }
+        self.work(ui.ctx());
+    }
+
+    /// Gives the simulation its time after a picture, where it has no thread; what was asked for in the picture is done.
+    fn work(&mut self, context: &egui::Context) {
+        let budget = self.pace.budget();
+        if let Some(wait) = self.running_mut().and_then(|running| running.session.work(budget)) {
+            self.pace.after(context, wait);
         }
     }
 }
@@ -234,6 +267,10 @@ fn failed(ui: &mut egui::Ui, path: &std::path::Path, message: &str) -> bool {
         ui.label(egui::RichText::new(message).monospace());
     });
     ui.add_space(8.0);
+    if !files::DISK {
+        ui.label("Escape leads to the bundled scenes.");
+        return false;
+    }
     ui.label("Change the file and read it again; Escape leads to the bundled scenes.");
     ui.button("Read again").clicked()
 }

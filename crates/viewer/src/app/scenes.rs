@@ -1,8 +1,9 @@
 //! The bundled scenes to choose from, with their pictures.
 
 use super::Wish;
+use crate::files;
 use egui::Ui;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Widest a picture is shown, in points.
 const WIDTH: f32 = 300.0;
@@ -22,37 +23,30 @@ pub struct Gallery {
 }
 
 impl Gallery {
-    /// Looks for the folder `scenes` here and above, and for pictures of its scenes in `docs/pictures/scenes` beside it.
+    /// Looks for the bundled scenes and their pictures.
     pub fn find() -> Gallery {
-        let root = std::env::current_dir()
-            .ok()
-            .and_then(|here| here.ancestors().find(|folder| folder.join("scenes").is_dir()).map(Path::to_path_buf));
-        let mut entries = Vec::new();
-        if let Some(root) = root {
-            let listed = std::fs::read_dir(root.join("scenes"));
-            let mut paths: Vec<PathBuf> = listed.into_iter().flatten().flatten().map(|e| e.path()).collect();
-            paths.retain(|p| p.extension().is_some_and(|e| e == "toml"));
-            paths.sort();
-            for path in paths {
-                let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-                let picture = read(&root.join("docs/pictures/scenes").join(format!("{name}.png")));
-                entries.push(Entry { path, name, picture, texture: None });
-            }
-        }
-        Gallery { entries, typed: String::new() }
+        let entry = |path: PathBuf| Entry {
+            name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+            picture: files::picture(&path).and_then(|file| read(&file)),
+            texture: None,
+            path,
+        };
+        Gallery { entries: files::scenes().into_iter().map(entry).collect(), typed: String::new() }
     }
 
     pub(super) fn ui(&mut self, ui: &mut Ui) -> Option<Wish> {
         let mut wish = None;
         egui::CentralPanel::default().show(ui, |ui| {
             ui.heading("Scenes");
-            ui.horizontal(|ui| {
-                let name = ui.label("Scene file");
-                ui.text_edit_singleline(&mut self.typed).labelled_by(name.id);
-                if ui.button("Open").clicked() && !self.typed.trim().is_empty() {
-                    wish = Some(Wish::Open(PathBuf::from(self.typed.trim())));
-                }
-            });
+            if files::DISK {
+                ui.horizontal(|ui| {
+                    let name = ui.label("Scene file");
+                    ui.text_edit_singleline(&mut self.typed).labelled_by(name.id);
+                    if ui.button("Open").clicked() && !self.typed.trim().is_empty() {
+                        wish = Some(Wish::Open(PathBuf::from(self.typed.trim())));
+                    }
+                });
+            }
             if self.entries.is_empty() {
                 ui.label("There is no folder `scenes` here or above; name a scene file, or start in Souple's folder.");
             }
@@ -85,10 +79,9 @@ impl Gallery {
     }
 }
 
-/// A picture, if there is one that can be read.
-fn read(path: &Path) -> Option<egui::ColorImage> {
-    let file = std::io::BufReader::new(std::fs::File::open(path).ok()?);
-    let mut reader = png::Decoder::new(file).read_info().ok()?;
+/// A picture, if it can be read.
+fn read(file: &[u8]) -> Option<egui::ColorImage> {
+    let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().ok()?;
     let mut bytes = vec![0; reader.output_buffer_size()?];
     let about = reader.next_frame(&mut bytes).ok()?;
     let size = [about.width as usize, about.height as usize];

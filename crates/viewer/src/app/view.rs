@@ -23,7 +23,7 @@ use crate::palette::HAND;
 use egui::{PointerButton, Pos2, Rect, Response, Sense, Ui};
 use souple_simulation::interaction::{Pull, Tool};
 use souple_simulation::session::Change;
-use std::time::Instant;
+use web_time::Instant;
 
 /// What a ray met.
 #[derive(Clone, Copy, Debug, PartialEq)]
