@@ -91,6 +91,16 @@ fn is(pixel: [u8; 3], colour: Colour) -> bool {
     (0.3..1.1).contains(&light) && left.sqrt() < 12.0
 }
 
+/// The spring in a hand, as the window draws it.
+const HAND: Colour = [0xd8, 0x1b, 0x60];
+
+/// What was done before this is seen after it: in one picture it is asked for, and after the next it is shown.
+fn a_picture_later(browser: &mut Browser) {
+    let now = browser.value("document.body.dataset.pictures");
+    let now: u64 = now.as_str().unwrap().parse().unwrap();
+    browser.wait_for(&format!("Number(document.body.dataset.pictures) > {}", now + 2));
+}
+
 /// Nothing was wrong in the page, and nobody but its server was asked.
 fn no_complaints(browser: &Browser, address: SocketAddr) {
     let (complaints, requests) = browser.complaints_and_requests();
@@ -124,6 +134,31 @@ fn the_page_draws_and_runs() {
     }
     let moved = view.iter().filter(|&&k| before.pixels[k] != after.pixels[k]).count();
     assert!(moved > 2000, "{moved} pixels differ");
+
+    // A point in the midst of the hexahedra is taken and dragged upwards: the spring in the hand is drawn until it is let
+    // go.
+    let at = |k: usize| [k % 1280, k / 1280].map(|x| x as f64);
+    let body: Vec<[f64; 2]> =
+        view.iter().filter(|&&k| is(after.pixels[k], family(Family::Hexahedron))).map(|&k| at(k)).collect();
+    let mean: [f64; 2] = std::array::from_fn(|k| body.iter().map(|p| p[k]).sum::<f64>() / body.len() as f64);
+    let distance = |p: &[f64; 2]| (p[0] - mean[0]).hypot(p[1] - mean[1]);
+    let start = *body.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap();
+    let hand = |browser: &mut Browser| {
+        let picture = pixels(&browser.screenshot());
+        view.iter().filter(|&&k| is(picture.pixels[k], HAND)).count()
+    };
+    assert_eq!(hand(&mut browser), 0);
+    browser.mouse("mouseMoved", start);
+    browser.mouse("mousePressed", start);
+    for share in 1..=4 {
+        browser.mouse("mouseMoved", [start[0], start[1] - 25.0 * f64::from(share)]);
+        a_picture_later(&mut browser);
+    }
+    let pulled = hand(&mut browser);
+    assert!(pulled > 100, "{pulled} pixels of the hand's spring");
+    browser.mouse("mouseReleased", [start[0], start[1] - 100.0]);
+    a_picture_later(&mut browser);
+    assert_eq!(hand(&mut browser), 0);
     no_complaints(&browser, address);
 }
 
