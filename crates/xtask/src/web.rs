@@ -113,7 +113,7 @@ fn choose(roots: &[Sysroot], path: &std::ffi::OsStr) -> Result<Compiler, String>
 fn build(workspace: &Workspace, compiler: &Compiler, own: &Path, folder: &Path) -> Result<String, String> {
     let mut build = Command::new(cargo());
     build.current_dir(&workspace.root).args(["build", "--locked", "--profile", "web", "--target", TARGET]);
-    build.args(["--package", "souple-viewer", "--bin", "souple-page", "--features", "web"]);
+    build.args(["--package", "souple-viewer", "--bin", "souple-page", "--no-default-features", "--features", "web"]);
     build.arg("--target-dir").arg(own).env("RUSTC", &compiler.program);
     // Flags for this machine's processor are none for pages, and would replace ours.
     build.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
