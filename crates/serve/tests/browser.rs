@@ -9,8 +9,8 @@
 mod chromium;
 mod client;
 
-use chromium::{Browser, Picture, pixels, program};
-use souple_serve::colours::{Colour, family};
+use chromium::{Browser, Picture, is, pixels, program};
+use souple_serve::colours::family;
 use souple_simulation::elements::Family;
 use std::path::Path;
 
@@ -25,15 +25,6 @@ fn browser(test: &str, size: [u32; 2]) -> Option<Browser> {
     };
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("chromium-{test}-{}", std::process::id()));
     Some(Browser::start(&program, folder, size))
-}
-
-/// Whether a pixel is a colour under some light.
-fn is(pixel: [u8; 3], colour: Colour) -> bool {
-    let (p, c) = (pixel.map(f64::from), colour.map(f64::from));
-    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let light = dot(p, c) / dot(c, c);
-    let left: f64 = (0..3).map(|k| (p[k] - light * c[k]).powi(2)).sum();
-    (0.3..1.1).contains(&light) && left.sqrt() < 12.0
 }
 
 /// Middle of places, and their mean distance from it.

@@ -15,7 +15,7 @@
 #[expect(dead_code, reason = "this page is looked at, the other one is touched too")]
 mod chromium;
 
-use chromium::{Browser, pixels, program};
+use chromium::{Browser, is, pixels, program};
 use souple_serve::colours::{Colour, family};
 use souple_simulation::elements::Family;
 use souple_simulation::{RunOptions, Simulation};
@@ -80,15 +80,6 @@ fn answer(mut stream: TcpStream, folder: &Path) -> std::io::Result<()> {
         "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {length}\r\nConnection: close\r\n\r\n"
     )?;
     stream.write_all(&bytes)
-}
-
-/// Whether a pixel is a colour under some light.
-fn is(pixel: [u8; 3], colour: Colour) -> bool {
-    let (p, c) = (pixel.map(f64::from), colour.map(f64::from));
-    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let light = dot(p, c) / dot(c, c);
-    let left: f64 = (0..3).map(|k| (p[k] - light * c[k]).powi(2)).sum();
-    (0.3..1.1).contains(&light) && left.sqrt() < 12.0
 }
 
 /// The spring in a hand, as the window draws it.

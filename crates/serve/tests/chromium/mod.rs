@@ -4,6 +4,7 @@
 
 use base64::Engine as _;
 use serde_json::{Value, json};
+use souple_serve::colours::Colour;
 use std::io::{BufRead as _, BufReader};
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
@@ -188,6 +189,15 @@ impl Drop for Browser {
         let _ = self.child.wait();
         let _ = std::fs::remove_dir_all(&self.folder);
     }
+}
+
+/// Whether a pixel is a colour under some light.
+pub(crate) fn is(pixel: [u8; 3], colour: Colour) -> bool {
+    let (p, c) = (pixel.map(f64::from), colour.map(f64::from));
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let light = dot(p, c) / dot(c, c);
+    let left: f64 = (0..3).map(|k| (p[k] - light * c[k]).powi(2)).sum();
+    (0.3..1.1).contains(&light) && left.sqrt() < 12.0
 }
 
 /// Takes a PNG file apart.

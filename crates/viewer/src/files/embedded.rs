@@ -2,24 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-/// Names and contents, of the files named here.
-macro_rules! files {
-    ($($name:literal),* $(,)?) => {
-        &[$(($name, include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../", $name)))),*]
-    };
-}
-
-/// Every file; a test compares them with the folders.
-const FILES: &[(&str, &[u8])] = files![
-    "docs/pictures/scenes/mixed_bar.png",
-    "docs/pictures/scenes/organ.png",
-    "docs/pictures/scenes/skin_and_tendon.png",
-    "scenes/mixed_bar.toml",
-    "scenes/organ.toml",
-    "scenes/organ/organ.msh",
-    "scenes/skin_and_tendon.toml",
-    "scenes/skin_and_tendon/block.msh",
-];
+// `FILES`: names and contents, as the build script found them.
+include!(concat!(env!("OUT_DIR"), "/embedded.rs"));
 
 fn find(name: &str) -> Option<&'static [u8]> {
     FILES.iter().find(|f| f.0 == name).map(|f| f.1)
